@@ -1,0 +1,1 @@
+"""Moments of a response by quadrature, and the distributions fitted to them."""

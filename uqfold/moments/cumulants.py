@@ -1,0 +1,118 @@
+"""Moments and cumulants of a response from the nodes of a quadrature rule (Eqs. 33 and 41)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from uqfold.typing import BoolArray, FloatArray
+
+
+@dataclass(frozen=True)
+class Moments:
+    """First four moments of K responses, one entry per row.
+
+    Attributes
+    ----------
+    mean, std
+        Mean and standard deviation, in the unit of the response; arrays (K,).
+    skewness, kurtosis
+        Third and fourth standardised central moments (kurtosis is 3 for a normal, not 0);
+        arrays (K,). A row that does not scatter (std = 0) has skewness 0 and kurtosis 3.
+    """
+
+    mean: FloatArray
+    std: FloatArray
+    skewness: FloatArray
+    kurtosis: FloatArray
+
+    def row(self, k: int) -> tuple[float, float, float, float]:
+        """Mean, std, skewness and kurtosis of row k as plain floats."""
+        return (
+            float(self.mean[k]),
+            float(self.std[k]),
+            float(self.skewness[k]),
+            float(self.kurtosis[k]),
+        )
+
+    def __len__(self) -> int:
+        return len(self.mean)
+
+
+def moments_from_rule(y: ArrayLike, weights: ArrayLike, where: BoolArray | None = None) -> Moments:
+    """Moments of each row of y under one quadrature rule (Eq. 41).
+
+    Sums are centred, so a response of 1e6 with a scatter of 1e-3 loses no digits to cancellation.
+
+    Parameters
+    ----------
+    y : array (K, q)
+        Responses at the q nodes of the rule, one row per combination of shared nodes.
+    weights : array (q,)
+        Weights of the rule, of any positive sum: they are renormalised over the nodes used.
+    where : bool array (K, q), optional
+        Nodes to use (for instance those whose response is finite). A row without any gives NaN.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, or a response that is to be used is not finite.
+    """
+    values = np.asarray(y, dtype=float)
+    rule = np.asarray(weights, dtype=float)
+    if values.ndim != 2 or rule.shape != values.shape[1:]:
+        raise ValueError(
+            f"y has shape {values.shape} and weights {rule.shape}; give y (K, q) and weights (q,)"
+        )
+    used = np.ones(values.shape, dtype=bool) if where is None else np.asarray(where, dtype=bool)
+    if not np.isfinite(values[used]).all():
+        raise ValueError(
+            "y holds NaN or inf among the nodes used; leave them out through `where` and carry "
+            "their probability separately"
+        )
+    w = np.where(used, rule, 0.0)
+    total = w.sum(axis=1, keepdims=True)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        w = w / total
+        # Shifting by one of the row's own values makes a constant row scatter by exactly 0.
+        origin = np.take_along_axis(values, used.argmax(axis=1)[:, None], axis=1)
+        origin = np.where(used.any(axis=1, keepdims=True), origin, np.nan)
+        shifted = np.where(used, values - origin, 0.0)
+        shift = (w * shifted).sum(axis=1, keepdims=True)
+        deviation = np.where(used, shifted - shift, 0.0)
+        std = np.sqrt((w * deviation**2).sum(axis=1))
+        scaled = deviation / np.where(std > 0, std, 1.0)[:, None]
+        skewness = np.where(std > 0, (w * scaled**3).sum(axis=1), 0.0 * std)
+        kurtosis = np.where(std > 0, (w * scaled**4).sum(axis=1), 3.0 + 0.0 * std)
+    return Moments((origin + shift)[:, 0], std, skewness, kurtosis)
+
+
+def cumulants(moments: Moments) -> FloatArray:
+    """First four cumulants (4, K) from central moments: Eq. (33) without its cancellation."""
+    variance = moments.std**2
+    return np.stack(
+        [
+            moments.mean,
+            variance,
+            moments.skewness * variance * moments.std,
+            (moments.kurtosis - 3.0) * variance**2,
+        ]
+    )
+
+
+def cumulants_from_raw_moments(raw: ArrayLike) -> FloatArray:
+    """First four cumulants (4, ...) from raw moments mu'_1..mu'_4 (4, ...), Eq. (33) as printed.
+
+    Loses digits when the mean is large against the scatter; `cumulants` does not.
+    """
+    m1, m2, m3, m4 = np.asarray(raw, dtype=float)
+    return np.stack(
+        [
+            m1,
+            m2 - m1**2,
+            m3 - 3 * m2 * m1 + 2 * m1**3,
+            m4 - 4 * m3 * m1 - 3 * m2**2 + 12 * m2 * m1**2 - 6 * m1**4,
+        ]
+    )
