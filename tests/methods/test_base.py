@@ -1,0 +1,208 @@
+"""What the base owns: arguments, seeds, statuses, the promises of every row."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from uqfold.evaluation import Evaluator, FailedRunError
+from uqfold.methods import Estimate, MonteCarlo, ReliabilityMethod, Solution, Task, available, build
+from uqfold.methods.base import attempt
+from uqfold.methods.result import reliability_index
+from uqfold.methods.seeding import block_generator, reduced_seed
+from uqfold.problems import Problem
+from uqfold.problems.base import Unit
+from uqfold.problems.criterion import Criterion, criteria
+from uqfold.problems.structure import KOutOfN, Parallel
+from uqfold.testing import LinearNormalSystem
+
+SYSTEM = LinearNormalSystem()
+
+
+A_QUARTER = Estimate(0.25)
+
+
+@dataclass(frozen=True)
+class Scripted(ReliabilityMethod):
+    """Runs the model once and answers what it is told."""
+
+    name: ClassVar[str] = "scripted"
+    answer: Estimate = A_QUARTER
+    runs: int = 1
+
+    def _solve(self, task: Task) -> Solution:
+        task.evaluate(np.zeros((self.runs, 3)))
+        return Solution([self.answer] * len(task.criteria), details="found")
+
+
+@dataclass(frozen=True)
+class Breaks(ReliabilityMethod):
+    name: ClassVar[str] = "breaks"
+
+    def _solve(self, task: Task) -> Solution:
+        raise ArithmeticError("no root")
+
+
+@dataclass(frozen=True)
+class TooFew(ReliabilityMethod):
+    name: ClassVar[str] = "too-few"
+
+    def _solve(self, task: Task) -> Solution:
+        return Solution([])
+
+
+def test_row_carries_cost_and_identity() -> None:
+    result = Scripted(runs=7).estimate(SYSTEM.problem(), criteria([1.0, 2.0]), rng=12)
+    assert result.details == "found"
+    assert [row.threshold for row in result] == [1.0, 2.0]
+    assert all(row.n_evals == row.n_evals_row == 7 for row in result)
+    assert (result.method, result.seed, result.n_failed) == ("scripted", 12, 0)
+    assert result[0].reliability == 0.75
+    assert result.seconds > 0.0
+    frame = result.to_frame()
+    assert list(frame["pf"]) == [0.25, 0.25]
+    assert math.isnan(frame["tau"][0])
+
+
+def test_exceptions_of_a_method_become_a_status() -> None:
+    row = Breaks().estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert row.status == "failed"
+    assert row.message == "ArithmeticError: no root"
+    assert math.isnan(row.pf)
+    short = TooFew().estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert "0 answers to 1 criteria" in short.message
+
+
+@pytest.mark.parametrize("pf", [-0.1, 1.1, math.nan, math.inf])
+def test_what_is_no_probability_is_no_answer(pf: float) -> None:
+    row = Scripted(answer=Estimate(pf)).estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert row.status == "failed"
+    assert math.isnan(row.pf)
+
+
+def test_number_beside_no_answer_is_removed() -> None:
+    answer = Estimate(0.0, status="unsupported", message="why")
+    row = Scripted(answer=answer).estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert math.isnan(row.pf)
+    assert math.isnan(row.reliability)
+    assert math.isnan(row.beta)
+
+
+@pytest.mark.parametrize("budget", [0, -1, 2.5])
+def test_impossible_budget_is_refused(budget: float) -> None:
+    with pytest.raises(ValueError, match="max_evals"):
+        Scripted().estimate(SYSTEM.problem(), criteria(1.0), max_evals=budget)  # type: ignore[arg-type]
+
+
+def test_criteria_are_needed_unless_the_problem_has_its_own() -> None:
+    with pytest.raises(ValueError, match="no criteria given"):
+        Scripted().estimate(SYSTEM.problem())
+    own = Problem.from_limit_state(lambda x: x[:, 0], SYSTEM.problem().inputs.marginals[0])
+    assert MonteCarlo(systems=10).estimate(own, rng=1)[0].threshold < 0.0
+    single = Scripted().estimate(SYSTEM.problem(), Criterion(3.0))
+    assert len(single) == 1
+    with pytest.raises(TypeError, match="not a Criterion"):
+        Scripted().estimate(SYSTEM.problem(), [3.0])  # type: ignore[list-item]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"units": [Unit(offset=0.1), Unit()]},
+        {"units": 3, "structure": Parallel()},
+        {"units": 3, "structure": KOutOfN(2)},
+    ],
+)
+@pytest.mark.parametrize("name", list(available()))
+def test_what_no_method_uses_yet_is_unsupported(name: str, options: dict[str, object]) -> None:
+    problem = Problem(
+        SYSTEM.response, inputs=SYSTEM.problem().inputs.distribution, shared=["V"], **options
+    )  # type: ignore[arg-type]
+    row = build(name).estimate(problem, criteria(1.0))[0]
+    assert row.status == "unsupported"
+    assert row.n_evals == 0
+
+
+def test_policy_raise_raises_and_others_do_not() -> None:
+    problem = Problem(
+        lambda x: np.full(len(x), np.nan), individual=SYSTEM.problem().inputs.marginals[0]
+    )
+    with pytest.raises(FailedRunError, match="NaN"):
+        MonteCarlo().estimate(problem, criteria(1.0), rng=1, evaluator=Evaluator("raise"))
+    assert MonteCarlo().estimate(problem, criteria(1.0), rng=1)[0].status == "failed"
+
+
+def test_method_that_cannot_bound_failed_runs_gives_no_number() -> None:
+    inputs = SYSTEM.problem().inputs.distribution
+    problem = Problem(
+        lambda x: np.where(np.arange(len(x)) == 0, np.nan, 1.0), inputs=inputs, shared=["V"]
+    )
+    row = Scripted(runs=3).estimate(problem, criteria(1.0))[0]
+    assert row.status == "failed"
+    assert "cannot bound" in row.message
+    assert (row.n_evals, row.n_failed) == (3, 1)
+
+
+def test_attempt_keeps_a_hard_criterion_to_itself() -> None:
+    def hard() -> Estimate:
+        raise ZeroDivisionError("flat")
+
+    assert attempt(hard).message == "ZeroDivisionError: flat"
+    assert attempt(lambda: Estimate(0.5)).pf == 0.5
+
+    def broken_model() -> Estimate:
+        raise FailedRunError("all")
+
+    with pytest.raises(FailedRunError):
+        attempt(broken_model)
+
+
+def test_seeds_are_reduced_to_an_integer() -> None:
+    assert reduced_seed(5) == 5
+    assert reduced_seed(np.int64(5)) == 5
+    generator = np.random.default_rng(1)
+    assert reduced_seed(generator) != reduced_seed(generator)
+    assert reduced_seed(np.random.default_rng(1)) == reduced_seed(np.random.default_rng(1))
+    sequence = np.random.SeedSequence(3)
+    assert reduced_seed(sequence) == reduced_seed(np.random.SeedSequence(3))
+    assert reduced_seed(sequence.spawn(1)[0]) != reduced_seed(sequence)
+    assert reduced_seed(None) != reduced_seed(None)
+    with pytest.raises(ValueError, match="not negative"):
+        reduced_seed(-1)
+    for wrong in (1.5, "a", True):
+        with pytest.raises(TypeError, match="seed"):
+            reduced_seed(wrong)  # type: ignore[arg-type]
+    first, second = block_generator(1, 0).random(), block_generator(1, 1).random()
+    assert first != second
+    assert first == block_generator(1, 0).random()
+
+
+def test_recorded_seed_repeats_the_run() -> None:
+    first = MonteCarlo(systems=500).estimate(SYSTEM.problem(), criteria(11.0))
+    again = MonteCarlo(systems=500).estimate(SYSTEM.problem(), criteria(11.0), rng=first.seed)
+    assert first.pf == again.pf
+
+
+@pytest.mark.parametrize(
+    ("pf", "reliability", "beta"),
+    [(0.5, 0.5, 0.0), (1e-20, 1.0, 9.262340089798408), (1.0, 1e-20, -9.262340089798408)],
+)
+def test_reliability_index_uses_the_smaller_tail(
+    pf: float, reliability: float, beta: float
+) -> None:
+    assert reliability_index(pf, reliability) == pytest.approx(beta, rel=1e-12)
+
+
+def test_registry_builds_by_name_and_names_the_choices() -> None:
+    assert isinstance(build("mc"), MonteCarlo)
+    with pytest.raises(ValueError, match="choose from ffni-spa"):
+        build("subset")
+
+
+def test_progress_is_reported_per_batch() -> None:
+    seen: list[tuple[int, int | None]] = []
+    evaluator = Evaluator(batch_rows=1000, progress=lambda n, expected: seen.append((n, expected)))
+    MonteCarlo(systems=1000).estimate(SYSTEM.problem(), criteria(11.0), rng=1, evaluator=evaluator)
+    assert seen == [(1000, 3000), (2000, 3000), (3000, 3000)]

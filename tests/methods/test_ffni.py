@@ -1,0 +1,202 @@
+"""The paper's two methods: counts, known errors on Examples 1 and 2, edges."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uqfold.inputs import normal
+from uqfold.methods import FFNIPearson, FFNISaddlepoint
+from uqfold.methods.factorial_design import factorial_design
+from uqfold.problems import Problem, folding_wing, four_bar, series
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.testing import LinearNormalSystem
+from uqfold.typing import FloatArray
+
+
+def relative_error(method: object, problem: Problem, criterion: Criterion) -> float:
+    reference = problem.references
+    assert reference is not None
+    known = reference.lookup(criterion)
+    assert known is not None
+    row = method.estimate(problem, criterion)[0]  # type: ignore[attr-defined]
+    assert row.status == "converged"
+    return float(row.pf / known.pf - 1.0)
+
+
+@pytest.mark.parametrize("method", [FFNISaddlepoint(), FFNIPearson()], ids=lambda m: m.name)
+def test_default_designs_have_the_papers_sizes(method: FFNISaddlepoint | FFNIPearson) -> None:
+    assert method.estimate(series(), criteria(2.0)).n_evals == 75
+    assert method.estimate(four_bar(), criteria(101.0)).n_evals == 375
+    wing = folding_wing().inputs
+    design = factorial_design(wing, method.nodes_shared, method.nodes_individual)
+    assert design.x.shape == (1125, 5)
+    assert len(design.shared_weights) == 9
+
+
+# Errors that the four-cumulant saddlepoint with 3 x 25 nodes really has on Example 1: the tail is
+# wrong by a known factor, and a change in these numbers is a change in the method.
+@pytest.mark.parametrize(
+    ("threshold", "error"),
+    [(-3.0, -0.0108), (0.0, 0.0080), (2.0, 0.0238), (4.0, 0.0240), (6.0, 0.334), (8.0, 2.559)],
+)
+def test_saddlepoint_errors_on_example_1(threshold: float, error: float) -> None:
+    found = relative_error(FFNISaddlepoint(), series(), Criterion(threshold))
+    assert found == pytest.approx(error, rel=0.01)
+
+
+def test_converged_rules_do_not_save_the_saddlepoint_tail() -> None:
+    method = FFNISaddlepoint(nodes_shared=15, nodes_individual=9)
+    assert method.estimate(series(), criteria(4.0)).n_evals == 1215
+    assert relative_error(method, series(), Criterion(4.0)) == pytest.approx(0.12, abs=0.01)
+    assert relative_error(method, series(), Criterion(6.0)) == pytest.approx(0.68, abs=0.01)
+
+
+@pytest.mark.parametrize("branch", ["open", "crossed"])
+def test_example_2(branch: str) -> None:
+    problem = four_bar(branch)  # type: ignore[arg-type]
+    body, tail = (101.0, 103.0) if branch == "open" else (-139.0, -138.0)
+    for method in (FFNISaddlepoint(), FFNIPearson()):
+        assert abs(relative_error(method, problem, Criterion(body))) < 0.02
+        expected = 0.0 if branch == "open" else -0.139
+        assert relative_error(method, problem, Criterion(tail)) == pytest.approx(expected, abs=2e-3)
+
+
+def test_pearson_with_tau_on_example_2() -> None:
+    problem = four_bar()
+    assert problem.default_criteria is not None
+    for criterion in problem.default_criteria:
+        if criterion.tau is not None:
+            assert abs(relative_error(FFNIPearson(), problem, criterion)) < 2e-4
+
+
+def test_sampled_rows_agree_with_the_integral() -> None:
+    grid = criteria([101.0, 102.0], tau=[None, 5.0], missions=[1, Binomial(3, 0.5)])
+    exact = FFNIPearson().estimate(four_bar(), grid)
+    sampled = FFNIPearson(rows=4000).estimate(four_bar(), grid, rng=5)
+    for a, b in zip(exact, sampled, strict=True):
+        assert b.error_kind == "sampling"
+        assert abs(b.pf - a.pf) < 4.0 * b.std_error
+        assert b.ci_low < b.pf < b.ci_high
+    assert any(a.pf != b.pf for a, b in zip(exact, sampled, strict=True))
+
+
+def test_normal_family_is_the_two_moment_answer() -> None:
+    system = LinearNormalSystem(shared_std=0.2)
+    criterion = Criterion(12.5, missions=2)
+    row = FFNIPearson(family="normal", nodes_shared=9).estimate(system.problem(), criterion)[0]
+    assert row.pf == pytest.approx(system.pf(criterion), rel=1e-9)
+    skewed = FFNIPearson(family="normal").estimate(series(), criteria(4.0))[0]
+    assert skewed.pf > 2.0 * FFNIPearson().estimate(series(), criteria(4.0))[0].pf
+
+
+def test_saddlepoint_refuses_tau_before_any_work() -> None:
+    result = FFNISaddlepoint().estimate(series(), criteria([2.0, 4.0], tau=16.0))
+    assert [row.status for row in result] == ["unsupported", "unsupported"]
+    assert "ffni-pearson" in result[0].message
+    assert result.n_evals == 0
+
+
+def test_node_counts_per_variable() -> None:
+    method = FFNISaddlepoint(nodes_shared=(4,), nodes_individual=(5, 7))
+    assert method.estimate(series(), criteria(2.0)).n_evals == 140
+    wrong = FFNISaddlepoint(nodes_individual=(5, 5, 5)).estimate(series(), criteria(2.0))
+    assert wrong[0].status == "failed"
+    assert "3 counts for 2 inputs" in wrong[0].message
+
+
+@pytest.mark.parametrize("nodes", [0, 65, -1, 2.5, (3, 0), True])
+def test_impossible_node_counts_are_refused(nodes: object) -> None:
+    with pytest.raises(ValueError, match="nodes_shared"):
+        FFNISaddlepoint(nodes_shared=nodes)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="nodes_individual"):
+        FFNIPearson(nodes_individual=nodes)  # type: ignore[arg-type]
+
+
+def test_budget_below_the_design_spends_nothing() -> None:
+    result = FFNIPearson().estimate(four_bar(), criteria(101.0), max_evals=374)
+    assert result[0].status == "failed"
+    assert result.n_evals == 0
+    assert "375 nodes" in result[0].message
+    assert FFNIPearson().estimate(four_bar(), criteria(101.0), max_evals=375)[0].pf > 0.1
+
+
+def test_missing_saddlepoint_is_doubtful_and_the_fallback_answers() -> None:
+    """A response bounded by construction: excess kurtosis below zero, threshold near its end."""
+
+    def bounded(x: FloatArray) -> FloatArray:
+        return np.tanh(1.5 * x[:, 0])
+
+    problem = Problem(bounded, individual={"u": normal(0.0, 1.0)})
+    method = FFNISaddlepoint(nodes_individual=15)
+    inside, outside = method.estimate(problem, criteria([0.2, 0.99]))
+    assert inside.status == "converged"
+    assert outside.status == "doubtful"
+    assert "no admissible saddlepoint" in outside.message
+    assert 0.0 <= outside.pf < inside.pf
+
+
+def test_threshold_beyond_a_bounded_pearson_type_is_doubtful() -> None:
+    def bounded(x: FloatArray) -> FloatArray:
+        return np.tanh(1.5 * x[:, 0])
+
+    problem = Problem(bounded, individual={"u": normal(0.0, 1.0)})
+    row = FFNIPearson(nodes_individual=15).estimate(problem, criteria(1.5))[0]
+    assert row.pf == 0.0
+    assert row.status == "doubtful"
+
+
+def test_details_hold_moments_and_nodes() -> None:
+    details = FFNIPearson().estimate(series(), criteria(2.0)).details
+    assert details.shared_nodes.shape == (3, 1)
+    assert details.shared_nodes[1, 0] == pytest.approx(1.0)
+    assert details.weights.sum() == pytest.approx(1.0)
+    assert len(details.moments) == len(details.distributions) == 3
+    assert math.isfinite(details.moments.skewness[0])
+
+
+def test_gauss_rules_fit_marginals_that_are_not_normal() -> None:
+    """A linear response of uniform inputs: its four moments are exact with three nodes each."""
+    import openturns as ot
+
+    def total(x: FloatArray) -> FloatArray:
+        return x.sum(axis=1)
+
+    uniform = {name: ot.Uniform(0.0, 1.0) for name in "abcd"}
+    problem = Problem(total, individual=uniform)
+    details = FFNIPearson(nodes_individual=3).estimate(problem, criteria(3.0)).details
+    mean, std, skewness, kurtosis = details.moments.row(0)
+    assert mean == pytest.approx(2.0)
+    assert std == pytest.approx(math.sqrt(4 / 12))
+    assert skewness == pytest.approx(0.0, abs=1e-12)
+    assert kurtosis == pytest.approx(3.0 - 1.2 / 4)
+
+
+def test_dependent_inputs_use_the_conditional_distribution() -> None:
+    """Individual input correlated with the shared one: exact answer of a normal sum."""
+    import openturns as ot
+
+    correlation = ot.CorrelationMatrix(2, [1.0, 0.6, 0.6, 1.0])
+    joint = ot.Normal([0.0, 0.0], [1.0, 1.0], correlation)
+    joint.setDescription(["u", "v"])
+
+    def total(x: FloatArray) -> FloatArray:
+        return x[:, 0] + x[:, 1]
+
+    problem = Problem(total, inputs=joint, shared=["v"], units=3)
+    method = FFNIPearson(nodes_shared=60, family="normal")
+    # v and u = 0.6 v + 0.8 w: the same as a shared part of 1.6 and an individual one of 0.8
+    same = LinearNormalSystem(units=3, mean=0.0, shared_std=1.6, individual_std=0.8)
+    for criterion in criteria([1.0, 4.0], tau=[None, 1.5]):
+        row = method.estimate(problem, criterion)[0]
+        assert row.pf == pytest.approx(same.pf(criterion), rel=1e-4)
+
+
+def test_settings_are_the_identity_of_a_method() -> None:
+    assert FFNIPearson() == FFNIPearson()
+    assert replace(FFNIPearson(), nodes_shared=4) != FFNIPearson()
+    with pytest.raises(ValueError, match="family"):
+        FFNIPearson(family="gamma")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="rows"):
+        FFNIPearson(rows=1)

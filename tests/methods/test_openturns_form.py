@@ -1,0 +1,372 @@
+"""FORM against exact answers, and on the traps where FORM goes wrong without a word."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import minimize
+from scipy.special import log_ndtr, ndtr
+
+import uqfold
+from uqfold import Binomial, Evaluator, criteria
+from uqfold.inputs import normal
+from uqfold.methods.design_point import Search
+from uqfold.methods.openturns_form import OpenTURNSFORM
+from uqfold.methods.standard_space import Linearisation
+from uqfold.typing import FloatArray
+
+MEAN, SHARED, INDIVIDUAL = 10.0, 0.6, 1.0
+SIGMA = math.hypot(SHARED, INDIVIDUAL)
+STANDARD = normal(0.0, 1.0)
+FORM = OpenTURNSFORM()
+
+
+class Counted:
+    """Count the rows that a model sees."""
+
+    def __init__(self, model) -> None:
+        self.model, self.rows = model, 0
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        self.rows += x.shape[0]
+        return self.model(x)
+
+
+def linear(x: FloatArray) -> FloatArray:
+    return MEAN + SHARED * x[:, 0] + INDIVIDUAL * (0.6 * x[:, 1] + 0.8 * x[:, 2])
+
+
+def linear_problem(units: int = 4, model=linear) -> uqfold.Problem:
+    return uqfold.Problem(
+        model, shared={"V": STANDARD}, individual={"U": STANDARD, "W": STANDARD}, units=units
+    )
+
+
+def limit_state(g, d: int = 2) -> uqfold.Problem:
+    return uqfold.Problem.from_limit_state(g, {f"x{i}": STANDARD for i in range(d)})
+
+
+def exact(threshold: float, units: int, missions: int | Binomial) -> float:
+    """Integrate the failure probability over the shared input, without any complement."""
+
+    def failure(v: float) -> float:
+        log_q = units * log_ndtr((threshold - MEAN - SHARED * v) / INDIVIDUAL)
+        if isinstance(missions, Binomial):
+            fails = -math.expm1(missions.planned * math.log1p(missions.p * math.expm1(log_q)))
+        else:
+            fails = -math.expm1(missions * log_q)
+        return fails * math.exp(-0.5 * v * v) / math.sqrt(2 * math.pi)
+
+    parts = [quad(failure, a, a + 1, epsabs=0, epsrel=1e-11)[0] for a in range(-12, 12)]
+    return math.fsum(parts)
+
+
+class TestLinearNormal:
+    @pytest.mark.parametrize("units", [1, 4])
+    @pytest.mark.parametrize("missions", [1, 5, Binomial(6, 0.4)])
+    def test_exact_from_the_body_to_the_tail(self, units: int, missions: int | Binomial) -> None:
+        thresholds = [7.5, 9.0, 10.0, 11.0, 13.0, 15.0, 18.0]
+        asked = criteria(thresholds, missions=missions)
+        result = FORM.estimate(linear_problem(units), asked)
+        expected = [exact(t, units, missions) for t in thresholds]
+        assert expected[-1] < 1e-10
+        assert result.pf == pytest.approx(expected, rel=1e-9)
+        assert {row.status for row in result} == {"converged"}
+        assert {row.error_kind for row in result} == {"none"}
+        assert all(math.isnan(row.std_error) for row in result)
+
+    def test_beta_is_negative_where_the_origin_fails(self) -> None:
+        details = FORM.estimate(linear_problem(), criteria([8.0, 12.0])).details
+        low, high = details.design_points
+        assert low.beta_hl == pytest.approx(-2.0 / SIGMA, rel=1e-12)
+        assert high.beta_hl == pytest.approx(2.0 / SIGMA, rel=1e-12)
+        # alpha points towards failure in both
+        assert low.alpha == pytest.approx(high.alpha)
+        assert high.alpha == pytest.approx(np.array([SHARED, 0.6, 0.8]) / SIGMA)
+        assert high.u == pytest.approx(high.beta_hl * high.alpha, abs=1e-9)
+        assert high.shared_fraction == pytest.approx(SHARED**2 / SIGMA**2)
+        assert high.importance.sum() == pytest.approx(1.0)
+
+    def test_reliability_is_no_complement_where_failure_is_certain(self) -> None:
+        row = FORM.estimate(linear_problem(1), criteria(1.0))[0]
+        assert row.reliability == pytest.approx(ndtr(-9.0 / SIGMA), rel=1e-9)
+        assert row.beta == pytest.approx(-9.0 / SIGMA, rel=1e-9)
+
+    def test_design_point_in_the_inputs_own_units(self) -> None:
+        problem = uqfold.Problem(
+            lambda x: x[:, 0] / 10.0 + x[:, 1], individual={"a": normal(50, 20), "b": normal(3, 1)}
+        )
+        point = FORM.estimate(problem, criteria(12.0)).details.design_points[0]
+        assert point.x == pytest.approx(np.array([50, 3]) + np.array([20, 1]) * point.u)
+        assert point.x[0] / 10.0 + point.x[1] == pytest.approx(12.0)
+
+    def test_dependence_between_shared_and_individual_inputs(self) -> None:
+        import openturns as ot
+
+        correlation = ot.CorrelationMatrix(2)
+        correlation[0, 1] = 0.6
+        joint = ot.JointDistribution([ot.Normal(0, 1)] * 2, ot.NormalCopula(correlation))
+        joint.setDescription(["U", "V"])
+        problem = uqfold.Problem(lambda x: x[:, 0] + x[:, 1], inputs=joint, shared=["V"], units=3)
+        # t = V + U = 1.6 V + 0.8 E
+        expected = quad(
+            lambda v: -math.expm1(3 * log_ndtr((5.0 - 1.6 * v) / 0.8))
+            * math.exp(-0.5 * v * v)
+            / math.sqrt(2 * math.pi),
+            -12, 12, points=[0.0, 3.0], epsabs=0, epsrel=1e-10,
+        )[0]  # fmt: skip
+        assert FORM.estimate(problem, criteria(5.0)).pf[0] == pytest.approx(expected, rel=1e-8)
+
+    def test_only_shared_inputs(self) -> None:
+        problem = uqfold.Problem(lambda x: x[:, 0], shared={"V": STANDARD}, units=4)
+        result = FORM.estimate(problem, criteria([2.0, 3.0], missions=3))
+        assert result.pf == pytest.approx(ndtr([-2.0, -3.0]), rel=1e-9)
+
+
+class TestCurvedLimitStates:
+    @pytest.mark.parametrize(
+        "g",
+        [
+            lambda x: 3 - x[:, 0] + 0.3 * x[:, 1] ** 2 - 0.5 * x[:, 1],
+            lambda x: 2.5 - x[:, 0] - 0.1 * x[:, 1] + 0.05 * x[:, 0] ** 3,
+            lambda x: 18 - np.exp(0.4 * x[:, 0] + 1.2) - np.exp(0.3 * x[:, 1] + 0.5),
+        ],
+    )
+    def test_beta_is_the_distance_of_the_nearest_failing_point(self, g) -> None:
+        best = min(
+            (
+                minimize(
+                    lambda u: u @ u, start, method="SLSQP", options={"ftol": 1e-13},
+                    constraints={"type": "eq", "fun": lambda u: float(g(u[None, :])[0])},
+                )
+                for start in ([2.0, 0.5], [2.0, -0.5], [0.5, 2.0])
+            ),
+            key=lambda found: found.fun if found.success else math.inf,
+        )  # fmt: skip
+        result = FORM.estimate(limit_state(g))
+        assert result[0].status == "converged"
+        point = result.details.design_points[0]
+        # an error r of the point costs beta about r^2 / 2 times the curvature (below one here),
+        # and the differences over 0.2 cost a few thousandths of the direction
+        assert point.beta_hl == pytest.approx(math.sqrt(best.fun), abs=3e-3)
+        assert result.pf[0] == pytest.approx(ndtr(-point.beta_hl), rel=1e-12)
+
+    def test_smaller_tolerance_and_step_come_closer(self) -> None:
+        def g(x: FloatArray) -> FloatArray:
+            return 3 - x[:, 0] + 0.3 * x[:, 1] ** 2 - 0.5 * x[:, 1]
+
+        # the nearest point of u1 = 3 + 0.3 u2^2 - 0.5 u2, from the stationarity of its distance
+        roots = np.roots([0.18, -0.45, 3.05, -1.5])
+        u2 = float(roots[np.abs(roots.imag) < 1e-9].real[0])
+        nearest = math.hypot(3 + 0.3 * u2**2 - 0.5 * u2, u2)
+        fine = OpenTURNSFORM(step=0.01, tolerance=1e-4)
+        errors = [
+            abs(m.estimate(limit_state(g)).details.design_points[0].beta_hl - nearest)
+            for m in (FORM, fine)
+        ]
+        assert errors[0] < 1e-3
+        assert errors[1] < 1e-8
+
+
+def four_branch(x: FloatArray) -> FloatArray:
+    a, b = x.T
+    curve, root = 3 + 0.1 * (a - b) ** 2, math.sqrt(2)
+    return np.min(
+        [curve - (a + b) / root, curve + (a + b) / root, a - b + 7 / root, b - a + 7 / root], axis=0
+    )
+
+
+class TestTraps:
+    """Where an unchecked FORM answers zero, or a wrong point without a word."""
+
+    def test_zero_gradient_of_the_four_branch_function(self) -> None:
+        result = FORM.estimate(limit_state(four_branch))
+        assert result[0].status == "doubtful"
+        assert "several design points" in result[0].message
+        assert result.details.design_points[0].beta_hl == pytest.approx(3.0, abs=2e-3)
+
+    def test_farthest_point_is_no_design_point(self) -> None:
+        # (3, 0) is on the limit state and collinear, but (1, +-2) are nearer
+        result = FORM.estimate(limit_state(lambda x: 3 - x[:, 0] - 0.5 * x[:, 1] ** 2))
+        assert result[0].status == "doubtful"
+        assert "several design points" in result[0].message
+        assert result.details.design_points[0].beta_hl == pytest.approx(math.sqrt(5), abs=1e-3)
+
+    def test_equal_design_points_on_both_sides(self) -> None:
+        result = FORM.estimate(limit_state(lambda x: 9 - x[:, 0] ** 2 - 0.001 * x[:, 0]))
+        assert result[0].status == "doubtful"
+
+    def test_limit_state_that_is_never_reached(self) -> None:
+        def g(x: FloatArray) -> FloatArray:
+            return 3 - x[:, 0] + 0.3 * x[:, 1] ** 2 + 0.1 * x[:, 0] ** 2 - 0.5 * x[:, 1]
+
+        row = FORM.estimate(limit_state(g))[0]
+        assert row.status == "failed"
+        assert "no design point" in row.message
+
+    def test_jump_to_infinity_has_no_design_point(self) -> None:
+        def g(x: FloatArray) -> FloatArray:
+            return np.where(x[:, 0] > 1, -np.inf, 5 - x[:, 0] - x[:, 1])
+
+        result = FORM.estimate(limit_state(g))
+        assert result[0].status == "failed"
+        assert result.n_failed == 0
+
+    @pytest.mark.parametrize(
+        ("response", "message"),
+        [(1.0, "does not change around the origin"), (np.inf, "the response is inf at")],
+    )
+    def test_no_gradient_at_all(self, response: float, message: str) -> None:
+        problem = linear_problem(model=lambda x: np.full(len(x), response))
+        for row in FORM.estimate(problem, criteria([0.5, 1.0, 2.0])):
+            assert row.status == "failed"
+            assert message in row.message
+
+    def test_optimiser_that_settles_anywhere_is_not_believed(self, monkeypatch) -> None:
+        # plant a point that OpenTURNS would hand back without a word
+        def planted(self, algorithm, response, search: Search, point) -> None:
+            wrong = response.linearise(np.array([0.1, 1.5, -1.0]))
+            search.trace.append((wrong, algorithm))
+
+        monkeypatch.setattr(OpenTURNSFORM, "_run", planted)
+        curved = linear_problem(model=lambda x: linear(x) + 0.5 * x[:, 1] ** 2)
+        row = FORM.estimate(curved, criteria(14.0))[0]
+        assert row.status == "failed"
+
+    def test_later_algorithms_get_their_turn(self) -> None:
+        only = {}
+        for algorithm in ("AbdoRackwitz", "SQP", "Cobyla"):
+            method = OpenTURNSFORM(algorithms=(algorithm,))
+            result = method.estimate(linear_problem(), criteria(13.0))
+            assert result[0].status == "converged"
+            point = result.details.design_points[0]
+            assert point.algorithm == algorithm
+            only[algorithm] = point.beta_hl
+        assert list(only.values()) == pytest.approx([3.0 / SIGMA] * 3, rel=1e-9)
+
+    def test_far_tail_and_infinite_thresholds(self) -> None:
+        asked = criteria([-math.inf, -1e300, -1e5, 12.0, 1e5, 1e12, math.inf])
+        result = FORM.estimate(linear_problem(), asked)
+        assert result.pf[[0, 1, 2]].tolist() == [1.0] * 3
+        assert result.pf[[4, 5, 6]].tolist() == [0.0] * 3
+        assert [row.status for row in result] == ["doubtful"] * 3 + ["converged"] + ["doubtful"] * 3
+        assert result.pf[3] == pytest.approx(exact(12.0, 4, 1), rel=1e-9)
+
+    def test_tail_within_reach_has_a_number(self) -> None:
+        result = FORM.estimate(linear_problem(1), criteria(MEAN + 9.9 * SIGMA))
+        assert result[0].status == "converged"
+        assert result.pf[0] == pytest.approx(ndtr(-9.9), rel=1e-9)
+
+
+class TestCost:
+    asked = criteria([9.0, 11.0, 12.5, 14.0], missions=[1, 4])
+
+    def test_runs_are_counted_and_shared_by_thresholds(self) -> None:
+        model = Counted(linear)
+        result = FORM.estimate(linear_problem(model=model), self.asked)
+        assert result.n_evals == model.rows
+        details = result.details
+        assert details.n_evals_start == 7
+        assert result.n_evals == 7 + sum(p.n_evals for p in details.design_points)
+        # a linear response: per threshold two gradients and the look around, no more
+        assert all(p.n_evals <= 7 + 7 + 5 for p in details.design_points)
+
+    @pytest.mark.parametrize("budget", [*range(1, 30), 40, 60, 80, 100])
+    def test_budget_is_kept(self, budget: int) -> None:
+        model = Counted(linear)
+        result = FORM.estimate(linear_problem(model=model), self.asked, max_evals=budget)
+        assert model.rows <= budget
+        for row in result:
+            if budget < 7:
+                assert row.status == "failed"
+            else:
+                # the response is linear, so that even the first gradient tells it all
+                assert row.status in {"converged", "budget_exhausted"}
+                expected = exact(row.threshold, 4, int(row.missions))
+                assert row.pf == pytest.approx(expected, rel=1e-9)
+
+    def test_budget_that_ends_the_search_says_so(self) -> None:
+        row = FORM.estimate(linear_problem(), criteria(12.5), max_evals=9)[0]
+        assert row.status == "budget_exhausted"
+        assert "from a design point" in row.message
+        # found, but not looked around
+        row = FORM.estimate(linear_problem(), criteria(12.5), max_evals=25)[0]
+        assert row.status == "budget_exhausted"
+        assert "not checked" in row.message
+
+    def test_nearby_threshold_starts_from_its_neighbour(self) -> None:
+        def curved(x: FloatArray) -> FloatArray:
+            return linear(x) + 0.2 * x[:, 1] ** 2 + 0.1 * x[:, 0] * x[:, 2]
+
+        alone = FORM.estimate(linear_problem(model=curved), criteria(14.0))
+        both = FORM.estimate(linear_problem(model=curved), criteria([13.8, 14.0]))
+        assert both[1].status == alone[0].status == "converged"
+        assert both.details.design_points[1].n_evals < alone.details.design_points[0].n_evals
+        # both points may be off by the tolerance
+        assert both.pf[1] == pytest.approx(alone.pf[0], rel=5e-3)
+
+
+class TestConduct:
+    def test_tau_is_unsupported_and_spoils_no_other(self) -> None:
+        result = FORM.estimate(linear_problem(), criteria(12.0, tau=[None, 1.0]))
+        assert [row.status for row in result] == ["converged", "unsupported"]
+        assert "tau" in result[1].message
+
+    def test_failed_run_ends_in_a_status(self) -> None:
+        def lost(x: FloatArray) -> FloatArray:
+            return np.where(x[:, 2] > 1.2, np.nan, linear(x))
+
+        for row in FORM.estimate(linear_problem(model=lost), criteria([11.0, 14.0])):
+            assert row.status == "failed"
+            assert "returned NaN" in row.message
+        counted = FORM.estimate(
+            linear_problem(model=lost),
+            criteria(10.5),
+            evaluator=Evaluator(failed_runs="count-as-failure"),
+        )
+        assert counted.n_failed == 0 or counted[0].status != "converged"
+
+    def test_interrupt_passes_through_openturns(self) -> None:
+        calls = []
+
+        def interrupted(x: FloatArray) -> FloatArray:
+            calls.append(len(x))
+            if len(calls) > 1:
+                raise KeyboardInterrupt
+            return linear(x)
+
+        with pytest.raises(KeyboardInterrupt):
+            FORM.estimate(linear_problem(model=interrupted), criteria(12.0))
+
+    def test_openturns_is_left_as_it_was(self, capfd) -> None:
+        import openturns as ot
+
+        flags, state = ot.Log.Flags(), ot.RandomGenerator.GetState()
+        FORM.estimate(limit_state(four_branch))
+        FORM.estimate(limit_state(lambda x: 9.0 + x[:, 0] ** 2 + x[:, 1]))
+        assert ot.Log.Flags() == flags
+        assert list(ot.RandomGenerator.GetState().getBuffer()) == list(state.getBuffer())
+        assert capfd.readouterr() == ("", "")
+
+    @pytest.mark.parametrize(
+        ("settings", "message"),
+        [
+            ({"step": 0.0}, "step = 0.0"),
+            ({"tolerance": 0.5}, "tolerance = 0.5"),
+            ({"max_iterations": 0}, "max_iterations = 0"),
+            ({"algorithms": ()}, "at least one"),
+            ({"algorithms": ("Newton",)}, "Newton"),
+        ],
+    )
+    def test_settings_are_checked(self, settings: dict, message: str) -> None:
+        with pytest.raises(ValueError, match=message):
+            OpenTURNSFORM(**settings)
+
+
+def test_a_point_is_judged_by_both_of_its_errors() -> None:
+    on_plane_but_aside = Linearisation(np.array([1.0, 1.0]), 1.0, np.array([1.0, 0.0]))
+    collinear_but_off = Linearisation(np.array([0.5, 0.0]), 0.5, np.array([1.0, 0.0]))
+    right = Linearisation(np.array([1.0, 0.0]), 1.0, np.array([1.0, 0.0]))
+    errors = [Search(1.0, [(p, "")]).error for p in (on_plane_but_aside, collinear_but_off, right)]
+    assert errors == pytest.approx([1.0, 0.5, 0.0])

@@ -1,0 +1,288 @@
+"""Methods that each break one promise on purpose; the contract suite must reject them.
+
+All start from a correct answer of Monte Carlo type or from the exact one, so that only the planted
+fault can be what is found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from uqfold.evaluation import FailedRunError
+from uqfold.methods import Estimate, MonteCarlo, ReliabilityMethod, Solution, Task
+from uqfold.methods.ffni_pearson import FFNIPearson
+from uqfold.problems.criterion import Criterion
+
+HONEST = MonteCarlo(systems=3000)
+
+
+class _FromMonteCarlo(ReliabilityMethod):
+    """Solve as `MonteCarlo` does, then spoil the answer."""
+
+    name: ClassVar[str] = "planted"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    @property
+    def stochastic(self) -> bool:
+        return True
+
+    def _solve(self, task: Task) -> Solution:
+        honest = HONEST._solve(self._task(task))
+        return Solution([self._spoil(e) for e in honest.estimates], honest.details)
+
+    def _task(self, task: Task) -> Task:
+        return task
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return estimate
+
+
+@dataclass(frozen=True)
+class Honest(_FromMonteCarlo):
+    """No fault: the control, which every check must pass."""
+
+
+@dataclass(frozen=True)
+class OverConfident(_FromMonteCarlo):
+    """States half of its standard error."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(estimate, std_error=0.5 * estimate.std_error)
+
+
+@dataclass(frozen=True)
+class UnderConfident(_FromMonteCarlo):
+    """Hides behind twice its standard error."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(estimate, std_error=2.0 * estimate.std_error)
+
+
+@dataclass(frozen=True)
+class Biased(_FromMonteCarlo):
+    """Gives half of pf, with a matching error."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        if not np.isfinite(estimate.std_error):
+            return estimate
+        pf = 0.5 * estimate.pf
+        return replace(
+            estimate, pf=pf, pf_low=pf, pf_high=pf, reliability=1.0 - pf,
+            std_error=0.7 * estimate.std_error, ci_low=0.5 * estimate.ci_low,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ForgetsMissions(_FromMonteCarlo):
+    """Answers every mission profile as if it were one mission."""
+
+    def _task(self, task: Task) -> Task:
+        return replace(task, criteria=tuple(replace(c, missions=1) for c in task.criteria))
+
+
+@dataclass(frozen=True)
+class ForgetsTau(_FromMonteCarlo):
+    """Ignores the synchronization threshold."""
+
+    def _task(self, task: Task) -> Task:
+        return replace(task, criteria=tuple(replace(c, tau=None) for c in task.criteria))
+
+
+@dataclass(frozen=True)
+class StrictBoundary(_FromMonteCarlo):
+    """Lets t = T fail."""
+
+    def _task(self, task: Task) -> Task:
+        below = [float(np.nextafter(c.threshold, -np.inf)) for c in task.criteria]
+        criteria = [replace(c, threshold=t) for c, t in zip(task.criteria, below, strict=True)]
+        return replace(task, criteria=tuple(criteria))
+
+
+@dataclass(frozen=True)
+class FixedSeed(_FromMonteCarlo):
+    """Ignores the seed."""
+
+    def _task(self, task: Task) -> Task:
+        return replace(task, seed=0)
+
+
+@dataclass(frozen=True)
+class GlobalRandomness(_FromMonteCarlo):
+    """Takes its seed from NumPy's global generator."""
+
+    def _task(self, task: Task) -> Task:
+        return replace(task, seed=int(np.random.randint(2**31)))  # noqa: NPY002
+
+
+_MEMORY: dict[str, int] = {}
+
+
+@dataclass(frozen=True)
+class RemembersRuns(_FromMonteCarlo):
+    """Keeps state between runs."""
+
+    def _task(self, task: Task) -> Task:
+        _MEMORY["runs"] = _MEMORY.get("runs", 0) + 1
+        return replace(task, seed=task.seed + _MEMORY["runs"])
+
+
+@dataclass(frozen=True)
+class BypassesTheCounter(_FromMonteCarlo):
+    """Calls the model behind the counter's back."""
+
+    def _task(self, task: Task) -> Task:
+        task.problem.model(np.zeros((5, task.problem.inputs.dimension)))
+        return task
+
+
+@dataclass(frozen=True)
+class DropsFailedRuns(_FromMonteCarlo):
+    """Counts failed runs as safe, without a word."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        low = estimate.pf if estimate.pf_low is None else estimate.pf_low
+        return replace(estimate, pf=low, pf_low=low, pf_high=low, reliability=1.0 - low)
+
+
+@dataclass(frozen=True)
+class NumberWithoutAnswer(_FromMonteCarlo):
+    """Gives pf = 0 where it should say that it failed."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(estimate, pf=0.0, status="converged") if np.isnan(estimate.pf) else estimate
+
+
+@dataclass(frozen=True)
+class InfinityIsSafe(_FromMonteCarlo):
+    """Drops infinite responses."""
+
+    def _task(self, task: Task) -> Task:
+        model = task.session.model
+        task.session.model = lambda x: np.nan_to_num(np.asarray(model(x)), posinf=0.0)
+        return task
+
+
+@dataclass(frozen=True)
+class NaNIsZero(_FromMonteCarlo):
+    """Replaces failed runs by zero before they are counted."""
+
+    def _task(self, task: Task) -> Task:
+        model = task.session.model
+        task.session.model = lambda x: np.nan_to_num(np.asarray(model(x)), posinf=np.inf)
+        return task
+
+
+@dataclass(frozen=True)
+class NeverCertain(_FromMonteCarlo):
+    """Adds a floor to pf."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(estimate, pf=0.999 * estimate.pf + 5e-4, reliability=None, std_error=np.nan)
+
+
+@dataclass(frozen=True)
+class ReliabilityOfAnother(_FromMonteCarlo):
+    """Gives a reliability that does not belong to pf."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(estimate, reliability=0.5)
+
+
+@dataclass(frozen=True)
+class SwallowsFailedRuns(_FromMonteCarlo):
+    """Catches the error of a failed run and answers all the same."""
+
+    def _solve(self, task: Task) -> Solution:
+        try:
+            return super()._solve(task)
+        except FailedRunError:
+            return Solution([Estimate(pf=0.5, pf_low=0.0, pf_high=1.0)] * len(task.criteria))
+
+
+@dataclass(frozen=True, eq=False)
+class OnlyEqualToItself(_FromMonteCarlo):
+    """Two of them with the same settings differ."""
+
+    __hash__ = object.__hash__
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+
+@dataclass(frozen=True)
+class IndependentUnits(ReliabilityMethod):
+    """Draws the shared inputs anew for every unit and mission: no common cause."""
+
+    name: ClassVar[str] = "planted"
+
+    @property
+    def stochastic(self) -> bool:
+        return True
+
+    def supports(self, problem: object, criterion: Criterion) -> str | None:
+        return "planted" if criterion.tau is not None else None
+
+    def _solve(self, task: Task) -> Solution:
+        rng, units = task.generator(), task.problem.n_units
+        estimates = []
+        for criterion in task.criteria:
+            if not isinstance(criterion.missions, int):
+                estimates.append(Estimate.without_answer("unsupported", "planted"))
+                continue
+            parts = units * criterion.missions
+            n = task.session.remaining // parts // len(task.criteria)
+            y = task.evaluate(task.problem.inputs.sample(rng, n * parts)).reshape(n, parts)
+            pf = float((y.max(axis=1) > criterion.threshold).mean())
+            error = float(np.sqrt(pf * (1 - pf) / n))
+            estimates.append(
+                Estimate(pf, std_error=error, ci_low=pf - 3 * error, ci_high=pf + 3 * error,
+                         ci_kind="normal", error_kind="sampling")
+            )  # fmt: skip
+        return Solution(estimates)
+
+
+@dataclass(frozen=True)
+class MutableSettings(ReliabilityMethod):
+    """Changes its own settings while it runs."""
+
+    name: ClassVar[str] = "planted"
+    runs: int = 0
+
+    def _solve(self, task: Task) -> Solution:
+        object.__setattr__(self, "runs", self.runs + 1)
+        base = FFNIPearson(nodes_individual=5 + self.runs)
+        return base._solve(task)
+
+
+PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
+    (OnlyEqualToItself, "is_a_frozen_record_of_settings"),
+    (ReliabilityOfAnother, "rows_are_well_formed"),
+    (BypassesTheCounter, "evaluations_are_counted_per_sample"),
+    (NumberWithoutAnswer, "budget_is_kept"),
+    (GlobalRandomness, "same_seed_same_answer"),
+    (RemembersRuns, "same_seed_same_answer"),
+    (MutableSettings, "same_seed_same_answer"),
+    (FixedSeed, "other_seed_other_answer"),
+    (GlobalRandomness, "same_answer_in_a_fresh_process"),
+    (GlobalRandomness, "problem_is_left_alone"),
+    (NeverCertain, "certain_outcomes"),
+    (StrictBoundary, "boundary_works"),
+    (InfinityIsSafe, "infinite_response_fails"),
+    (DropsFailedRuns, "failed_runs_are_bounded"),
+    (NaNIsZero, "broken_model_is_a_status"),
+    (SwallowsFailedRuns, "policies_for_failed_runs"),
+    (Biased, "hard_criterion_spoils_no_other"),
+    (Biased, "one_unit_is_exact"),
+    (ForgetsMissions, "shared_inputs_correlate_units"),
+    (IndependentUnits, "shared_inputs_correlate_units"),
+    (ForgetsTau, "synchronization"),
+    (Biased, "plain_limit_state"),
+    (Biased, "scale_and_shift"),
+    (Biased, "order_of_inputs_does_not_matter"),
+    (OverConfident, "stated_errors_are_honest"),
+    (UnderConfident, "stated_errors_are_honest"),
+]
+"""Planted method, and a check that must reject it; every check stands here at least once."""

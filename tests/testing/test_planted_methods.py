@@ -1,0 +1,21 @@
+"""The contract suite can fail: each planted fault is found by the check that is meant for it."""
+
+import pytest
+
+from tests.testing.planted import PLANTED, Honest
+from uqfold.methods import ReliabilityMethod
+from uqfold.testing import CHECKS, ContractError, check_method
+
+
+@pytest.mark.parametrize(("planted", "check"), PLANTED)
+def test_planted_fault_is_found(planted: type[ReliabilityMethod], check: str) -> None:
+    with pytest.raises(ContractError):
+        check_method(planted(), only=[check])
+
+
+def test_control_without_a_fault_passes_every_check() -> None:
+    assert check_method(Honest()) == list(CHECKS)
+
+
+def test_every_check_has_been_seen_to_fail() -> None:
+    assert {check for _, check in PLANTED} == set(CHECKS)

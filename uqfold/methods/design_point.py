@@ -1,0 +1,253 @@
+"""The search for a design point: its record, its trace, and the verdict on what it found.
+
+The optimiser that walks is the caller's business; here every linearisation on its way is kept, and
+the one that comes closest to being a design point is judged.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.inputs import JointInputs
+from uqfold.methods.result import Status
+from uqfold.methods.standard_space import (
+    SEARCH_RADIUS,
+    Linearisation,
+    NoGradientError,
+    StandardSpaceResponse,
+    shown,
+)
+from uqfold.typing import FloatArray
+
+LOOSE_RESIDUAL = 0.25
+"""A point further than this (per unit of beta) from being a design point is no answer at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class DesignPoint:
+    """What the search found for one threshold.
+
+    Attributes
+    ----------
+    threshold
+        T.
+    u, x
+        The point at which the response was linearised, in standard-normal space and in the
+        inputs' own units (d,).
+    beta_hl
+        Hasofer-Lind index: distance of the linearised limit state from the origin, negative if
+        the origin fails.
+    alpha
+        Unit vector (d,) towards failure.
+    shared_fraction
+        Squared length of the shared part of alpha: correlation of any two units.
+    residual
+        Distance between u and beta_hl * alpha, zero at an exact design point.
+    algorithm
+        Algorithm that came closest; empty where none had to run, or none could.
+    linearisations
+        Gradients asked for in the search, remembered ones included.
+    n_evals
+        Runs spent on this threshold, those at the starting point that all share left out.
+    """
+
+    threshold: float
+    u: FloatArray
+    x: FloatArray
+    beta_hl: float
+    alpha: FloatArray
+    shared_fraction: float
+    residual: float
+    algorithm: str
+    linearisations: int
+    n_evals: int
+
+    @property
+    def importance(self) -> FloatArray:
+        """Importance factors alpha^2 (d,), which sum to one."""
+        return self.alpha**2
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where searches start.
+
+    Attributes
+    ----------
+    known
+        Linearisations at the origin or, where the response has no slope there, near it.
+    y_origin
+        Response at the origin.
+    stationary
+        Whether it has no slope there.
+    """
+
+    known: tuple[Linearisation, ...]
+    y_origin: float
+    stationary: bool
+
+
+def common_start(response: StandardSpaceResponse) -> Start:
+    """Linearise at the origin; where it is stationary, at the extremes one deviation away.
+
+    Raises
+    ------
+    NoGradientError
+        If the response is infinite at the origin, or does not change around it.
+    """
+    d = response.inputs.dimension
+    origin = np.zeros(d)
+    y_origin = float(response.values(origin[None, :])[0])
+    try:
+        return Start((response.linearise(origin),), y_origin, stationary=False)
+    except NoGradientError:
+        if not math.isfinite(y_origin):
+            raise
+    around = np.vstack([np.eye(d), -np.eye(d)])
+    y = response.values(around)
+    known = []
+    for i in dict.fromkeys((int(y.argmax()), int(y.argmin()))):
+        with suppress(NoGradientError):
+            known.append(response.linearise(around[i]))
+    if not known:
+        raise NoGradientError("the response does not change around the origin")
+    return Start(tuple(known), y_origin, stationary=True)
+
+
+@dataclass(eq=False)
+class Search:
+    """The way to one threshold's design point.
+
+    Attributes
+    ----------
+    threshold
+        T.
+    trace
+        Every linearisation on the way, and the algorithm that asked for it; never empty.
+    cut
+        Whether the budget ended the search.
+    out_of_reach
+        Whether the limit state seems to lie beyond the search radius.
+    rival
+        A point as near as the best one, but well beyond the limit state; None: none known.
+    several
+        Whether other design points are likely to be about as near.
+    n_evals
+        Runs spent.
+    """
+
+    threshold: float
+    trace: list[tuple[Linearisation, str]]
+    cut: bool = False
+    out_of_reach: bool = False
+    rival: FloatArray | None = None
+    several: bool = False
+    n_evals: int = 0
+
+    @property
+    def start(self) -> Linearisation:
+        """The linearisation with which the search began."""
+        return self.trace[0][0]
+
+    @property
+    def best(self) -> Linearisation:
+        """The linearisation that comes closest to being at a design point."""
+        return self._closest[0]
+
+    @property
+    def error(self) -> float:
+        """Residual of the best linearisation, relative to max(1, |beta|)."""
+        return self._error(self.best)
+
+    @property
+    def _closest(self) -> tuple[Linearisation, str]:
+        return min(self.trace, key=lambda entry: self._error(entry[0]))
+
+    def _error(self, one: Linearisation) -> float:
+        residual = one.residual(self.threshold)
+        if math.isinf(residual):
+            return math.inf
+        return residual / max(1.0, abs(one.beta(self.threshold)))
+
+    def look_far(self, response: StandardSpaceResponse) -> None:
+        """See along alpha, almost at the search radius, whether the limit state lies beyond."""
+        beta = self.start.beta(self.threshold)
+        if abs(beta) <= SEARCH_RADIUS:
+            return
+        far = math.copysign(SEARCH_RADIUS - 2.0 * response.step, beta) * self.start.alpha
+        try:
+            there = response.linearise(far)
+        except NoGradientError:
+            return
+        self.trace.append((there, ""))
+        ahead = there.beta(self.threshold)
+        self.out_of_reach = abs(ahead) > SEARCH_RADIUS and (ahead > 0.0) == (beta > 0.0)
+
+    def look_around(self, response: StandardSpaceResponse, tolerance: float) -> None:
+        """Test whether the best point is the nearest, with 2 d - 1 runs on the sphere through it.
+
+        A point of the limit state that is collinear with its gradient may as well be the farthest
+        one. So look one standard deviation to both sides of it in d - 1 tangent directions: none
+        of these points may lie beyond the limit state. The point opposite may not even be near it.
+        """
+        beta = self.best.beta(self.threshold)
+        side, radius = math.copysign(1.0, beta), abs(beta)
+        if radius <= tolerance:
+            return
+        towards = side * self.best.alpha
+        angle = min(1.0 / radius, math.pi / 2)
+        tangents = np.linalg.qr(towards[:, None], mode="complete")[0][:, 1:].T
+        around = np.vstack([tangents, -tangents])
+        points = math.cos(angle) * towards + math.sin(angle) * around
+        points = radius * np.vstack([points, -towards])
+        beyond = side * (response.values(points) - self.threshold) / self.best.slope
+        if beyond.max() > tolerance:
+            self.rival = points[int(beyond.argmax())]
+        self.several |= bool(beyond[-1] > -min(0.5, radius))
+
+    def design_point(self, inputs: JointInputs) -> DesignPoint:
+        """Give the record of the best point."""
+        best, algorithm = self._closest
+        return DesignPoint(
+            threshold=self.threshold,
+            u=best.u,
+            x=inputs.from_standard_normal(best.u[None, :])[0],
+            beta_hl=best.beta(self.threshold),
+            alpha=best.alpha,
+            # rounding must not carry the square of a unit vector beyond one
+            shared_fraction=min(1.0, float(np.sum(best.alpha[: inputs.n_shared] ** 2))),
+            residual=best.residual(self.threshold),
+            algorithm=algorithm,
+            linearisations=len(self.trace),
+            n_evals=self.n_evals,
+        )
+
+
+def verdict(search: Search, start: Start, tolerance: float) -> tuple[Status, str]:
+    """Judge what a search has left: a status and the reason for it."""
+    threshold, best, error = search.threshold, search.best, search.error
+    beta = best.beta(threshold)
+    where = f"u = {shown(best.u)}, beta = {beta:.4g}"
+    off = f"{best.residual(threshold):.2g} standard deviations from a design point"
+    if error <= tolerance:
+        if search.rival is not None:
+            return "doubtful", f"not the nearest point, see u = {shown(search.rival)}: {where}"
+        if start.stationary or search.several:
+            return "doubtful", f"there may be several design points, FORM sees one: {where}"
+        if abs(beta) > tolerance and (start.y_origin <= threshold) != (beta > 0.0):
+            return "doubtful", f"the limit state has the origin on its far side: {where}"
+        if search.cut:
+            return "budget_exhausted", f"not checked whether it is the nearest point: {where}"
+        return "converged", ""
+    if search.cut and error <= 1.0:
+        return "budget_exhausted", f"linearised at {where}, {off}"
+    if search.out_of_reach:
+        reach = f"no design point within {SEARCH_RADIUS:g} standard deviations"
+        return "doubtful", f"{reach}: linearised at {where}"
+    if error <= LOOSE_RESIDUAL:
+        return "doubtful", f"no algorithm converged: linearised at {where}, {off}"
+    return "failed", f"no design point found: the nearest is {where}, {off}"

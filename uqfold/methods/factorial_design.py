@@ -1,0 +1,258 @@
+"""Full-factorial numerical integration (FFNI): the design, and what its responses say.
+
+The nodes are the product of one Gauss rule per input, Eq. (31). At each shared node the responses
+over the individual nodes give the first four moments of the conditional response, Eqs. (33) and
+(41), from which a method builds the conditional distribution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from uqfold.evaluation import BudgetExceededError
+from uqfold.inputs import JointInputs, normal
+from uqfold.inputs.joint import MAX_GAUSS_NODES, gauss_rule
+from uqfold.methods.base import Task, attempt
+from uqfold.methods.result import Estimate
+from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.cumulants import Moments, moments_from_rule
+from uqfold.moments.quadrature import tensor_grid
+from uqfold.problems.criterion import Criterion
+from uqfold.system.conditional import ConditionalResponse, SystemProbability, system_failures
+from uqfold.typing import FloatArray
+
+Nodes: TypeAlias = int | tuple[int, ...]
+MAX_DESIGN = 50_000_000
+
+
+@dataclass(frozen=True)
+class FactorialDesign:
+    """Nodes and weights of a full-factorial rule.
+
+    Attributes
+    ----------
+    x
+        Inputs (K * Q, d): K shared nodes, each with Q individual nodes running fastest.
+    shared_weights
+        Weights (K,) of the shared nodes.
+    individual_weights
+        Weights (Q,) of the individual nodes.
+    shared_nodes
+        The shared inputs (K, d_shared) themselves.
+    """
+
+    x: FloatArray
+    shared_weights: FloatArray
+    individual_weights: FloatArray
+    shared_nodes: FloatArray
+
+
+@dataclass(frozen=True)
+class FFNIDetails:
+    """Moments of the conditional response at every shared node.
+
+    Attributes
+    ----------
+    shared_nodes, weights
+        Shared inputs (K, d_shared) and their quadrature weights (K,).
+    moments
+        Mean, standard deviation, skewness and kurtosis (K,) over the finite responses.
+    distributions
+        The conditional distribution fitted at each node, or None where no response is finite.
+    p_never, p_missing
+        Quadrature mass (K,) of +inf responses and of failed runs at each node.
+    """
+
+    shared_nodes: FloatArray
+    weights: FloatArray
+    moments: Moments
+    distributions: tuple[ConditionalDistribution | None, ...]
+    p_never: FloatArray
+    p_missing: FloatArray
+
+
+def check_nodes(name: str, nodes: Nodes) -> None:
+    """Refuse a setting of node counts that cannot work.
+
+    Raises
+    ------
+    ValueError
+        If a count is not a whole number from 1 to 64.
+    """
+    for n in nodes if isinstance(nodes, tuple) else (nodes,):
+        if isinstance(n, bool) or int(n) != n or not 1 <= n <= MAX_GAUSS_NODES:
+            raise ValueError(f"{name} = {nodes}: give whole numbers from 1 to {MAX_GAUSS_NODES}")
+
+
+def design_size(inputs: JointInputs, shared: Nodes, individual: Nodes) -> int:
+    """Count the nodes of the design, that is its model runs."""
+    counts = [
+        *_per_variable("nodes_shared", shared, inputs.n_shared),
+        *_per_variable("nodes_individual", individual, inputs.n_individual),
+    ]
+    size = 1
+    for n in counts:
+        size *= n
+    return size
+
+
+def factorial_design(inputs: JointInputs, shared: Nodes, individual: Nodes) -> FactorialDesign:
+    """Build the full-factorial design.
+
+    Independent inputs take the Gauss rule of each marginal. Dependent inputs take Gauss-Hermite
+    rules in the standard-normal space of the Rosenblatt transformation, shared inputs first, so
+    that the individual nodes are those of the conditional distribution at each shared node.
+
+    Raises
+    ------
+    ValueError
+        If the node counts do not fit the inputs, or a marginal has no Gauss rule.
+    """
+    counts_shared = _per_variable("nodes_shared", shared, inputs.n_shared)
+    counts_individual = _per_variable("nodes_individual", individual, inputs.n_individual)
+    if inputs.independent:
+        rules = [
+            inputs.gauss_rule(i, n) for i, n in enumerate([*counts_shared, *counts_individual])
+        ]
+    else:
+        standard = normal(0.0, 1.0)
+        rules = [gauss_rule(standard, n) for n in [*counts_shared, *counts_individual]]
+    v, shared_weights = tensor_grid(rules[: inputs.n_shared])
+    u, individual_weights = tensor_grid(rules[inputs.n_shared :])
+    nodes = np.hstack([np.repeat(v, len(u), axis=0), np.tile(u, (len(v), 1))])
+    x = nodes if inputs.independent else inputs.from_standard_normal(nodes)
+    return FactorialDesign(
+        x=x,
+        shared_weights=shared_weights,
+        individual_weights=individual_weights,
+        shared_nodes=x[:: len(u), : inputs.n_shared],
+    )
+
+
+def conditional_responses(
+    design: FactorialDesign,
+    y: FloatArray,
+    fit: Callable[[float, float, float, float], ConditionalDistribution],
+) -> tuple[list[ConditionalResponse], FFNIDetails]:
+    """Turn the responses at the nodes into one conditional response per shared node.
+
+    Parameters
+    ----------
+    design
+        The design.
+    y
+        Responses (K * Q,); +-inf become atoms, NaN (failed runs) missing mass.
+    fit
+        Builds the distribution of the finite responses from mean, standard deviation, skewness
+        and kurtosis.
+
+    Returns
+    -------
+    tuple[list[ConditionalResponse], FFNIDetails]
+    """
+    w = design.individual_weights
+    table = y.reshape(len(design.shared_weights), len(w))
+    finite = np.isfinite(table)
+    never = (np.isposinf(table) * w).sum(axis=1)
+    always = (np.isneginf(table) * w).sum(axis=1)
+    missing = (np.isnan(table) * w).sum(axis=1)
+    moments = moments_from_rule(table, w, finite)
+    distributions: list[ConditionalDistribution | None] = [
+        fit(*moments.row(k)) if finite[k].any() else None for k in range(len(table))
+    ]
+    responses = [
+        ConditionalResponse(
+            distribution,
+            p_never=float(never[k]),
+            p_always=float(always[k]),
+            p_missing=float(missing[k]),
+        )
+        for k, distribution in enumerate(distributions)
+    ]
+    details = FFNIDetails(
+        shared_nodes=design.shared_nodes,
+        weights=design.shared_weights,
+        moments=moments,
+        distributions=tuple(distributions),
+        p_never=never,
+        p_missing=missing,
+    )
+    return responses, details
+
+
+def _per_variable(name: str, nodes: Nodes, n_variables: int) -> Sequence[int]:
+    if isinstance(nodes, int):
+        return [nodes] * n_variables
+    if len(nodes) != n_variables:
+        raise ValueError(f"{name} = {nodes} names {len(nodes)} counts for {n_variables} inputs")
+    return nodes
+
+
+def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> FactorialDesign:
+    """Build the design if the budget allows it.
+
+    Raises
+    ------
+    BudgetExceededError
+        If it does not; the message names the settings to change. Nothing is spent then.
+    """
+    size = design_size(task.problem.inputs, shared, individual)
+    if size > min(task.session.remaining, MAX_DESIGN):
+        limit = "at most 50 million nodes" if size > MAX_DESIGN else f"max_evals = {task.max_evals}"
+        raise BudgetExceededError(
+            f"the design has {size} nodes, {limit}: lower nodes_shared = {shared} or "
+            f"nodes_individual = {individual}, or raise the budget"
+        )
+    task.expect(size)
+    return factorial_design(task.problem.inputs, shared, individual)
+
+
+def system_estimates(
+    task: Task,
+    responses: list[ConditionalResponse],
+    details: FFNIDetails,
+    doubts_about: Callable[[Criterion, SystemProbability], list[str]],
+) -> list[Estimate]:
+    """Turn the conditional responses into one estimate per criterion of the task.
+
+    Parameters
+    ----------
+    task
+        Criteria and number of units.
+    responses, details
+        From `conditional_responses`.
+    doubts_about
+        Says why an answer is ``doubtful``; an empty list where it is not.
+    """
+    units = task.problem.n_units
+
+    def answer(criterion: Criterion, found: SystemProbability) -> Estimate:
+        doubts = doubts_about(criterion, found)
+        atoms = float(details.weights @ details.p_never)
+        if atoms > 0.0:
+            doubts = [*doubts, f"infinite responses at nodes of weight {atoms:.2g}"]
+        return Estimate(
+            pf=found.pf,
+            reliability=found.reliability,
+            pf_low=found.pf_low,
+            pf_high=found.pf_high,
+            error_kind="none",
+            status="doubtful" if doubts else "converged",
+            message="; ".join(doubts),
+        )
+
+    def alone(criterion: Criterion) -> Estimate:
+        found = system_failures(responses, details.weights, units, [criterion])[0]
+        return answer(criterion, found)
+
+    try:
+        together = system_failures(responses, details.weights, units, task.criteria)
+    except (ArithmeticError, RuntimeError, ValueError):
+        # one criterion cannot be integrated: the others still get their answers, one by one
+        return [attempt(partial(alone, criterion)) for criterion in task.criteria]
+    return [answer(c, found) for c, found in zip(task.criteria, together, strict=True)]

@@ -1,0 +1,120 @@
+"""FFNI with a Pearson distribution: the paper's method for synchronous deployment."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal, get_args
+
+from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.factorial_design import (
+    FFNIDetails,
+    Nodes,
+    affordable_design,
+    check_nodes,
+    conditional_responses,
+    system_estimates,
+)
+from uqfold.methods.pearson_sampling import sampled_failure
+from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.normal import NormalDistribution
+from uqfold.moments.pearson import PearsonDistribution
+from uqfold.problems.criterion import Criterion
+from uqfold.system.conditional import SystemProbability
+
+Family = Literal["pearson", "normal"]
+_BEYOND_END = 0.05
+"""Quadrature weight of nodes with T beyond their last value from which pf is doubtful."""
+
+
+@dataclass(frozen=True)
+class FFNIPearson(ReliabilityMethod):
+    """Full-factorial numerical integration with a Pearson distribution, Eqs. (41)-(47).
+
+    Gauss rules over the shared inputs give the outer expectation; at each shared node, Gauss rules
+    over the individual inputs give four moments, which select one member of the Pearson family as
+    the conditional distribution. The order statistics of the units then follow by integration; no
+    sampling is needed.
+
+    Attributes
+    ----------
+    nodes_shared, nodes_individual
+        Nodes per shared and per individual input: one number for all, or a tuple. The product
+        of all of them is the number of model runs.
+    family
+        ``pearson``, or ``normal`` for the two-moment distribution of earlier work (the paper's
+        reference 32).
+    rows
+        None: integrate. A number: draw that many rows N_0 from each conditional distribution, as
+        the paper does in Eqs. (43)-(47); the answer then has a sampling error.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+
+    Notes
+    -----
+    A bounded Pearson type ends somewhere; where the threshold lies beyond that end, pf has no
+    contribution from it and the status is ``doubtful``. The method states no error besides that
+    of sampling.
+    """
+
+    name: ClassVar[str] = "ffni-pearson"
+    title: ClassVar[str] = "FFNI + Pearson"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    nodes_shared: Nodes = 3
+    nodes_individual: Nodes = 5
+    family: Family = "pearson"
+    rows: int | None = None
+
+    def __post_init__(self) -> None:
+        check_nodes("nodes_shared", self.nodes_shared)
+        check_nodes("nodes_individual", self.nodes_individual)
+        if self.family not in get_args(Family):
+            raise ValueError(f"family = {self.family!r}: choose from {get_args(Family)}")
+        if self.rows is not None and (int(self.rows) != self.rows or self.rows < 2):
+            raise ValueError(f"rows = {self.rows}: give a whole number >= 2, or None to integrate")
+
+    @property
+    def stochastic(self) -> bool:
+        """Whether rows are sampled."""
+        return self.rows is not None
+
+    def _solve(self, task: Task) -> Solution:
+        design = affordable_design(task, self.nodes_shared, self.nodes_individual)
+        responses, details = conditional_responses(design, task.evaluate(design.x), self._fit)
+        if self.rows is not None:
+            sampled = sampled_failure(task, responses, details.weights, self.rows)
+            return Solution(sampled, details)
+
+        def doubts(criterion: Criterion, found: SystemProbability) -> list[str]:
+            return _doubts(criterion, found, details)
+
+        return Solution(system_estimates(task, responses, details, doubts), details)
+
+    def _fit(
+        self, mean: float, std: float, skewness: float, kurtosis: float
+    ) -> ConditionalDistribution:
+        if self.family == "normal":
+            return NormalDistribution.from_moments(mean, std)
+        return PearsonDistribution.from_moments(mean, std, skewness, kurtosis)
+
+
+def _doubts(criterion: Criterion, found: SystemProbability, details: FFNIDetails) -> list[str]:
+    """Say where the threshold lies beyond the end of a bounded distribution."""
+    if criterion.threshold == math.inf:
+        return []
+    beyond = 0.0
+    for weight, distribution in zip(details.weights, details.distributions, strict=True):
+        if isinstance(distribution, PearsonDistribution):
+            beyond += float(weight) * (criterion.threshold >= distribution.support[1])
+    if criterion.tau is None and beyond > _BEYOND_END:
+        return [
+            f"the threshold lies beyond the last value of the fitted distribution at shared nodes "
+            f"of weight {beyond:.2g}: their pf of 0 is a property of the family"
+        ]
+    if found.pf == 0.0 and beyond > 0.0:
+        return ["pf = 0 is a property of the fitted distribution, which is bounded"]
+    return []

@@ -1,0 +1,103 @@
+"""FFNI with the saddlepoint approximation: the paper's method without synchronization."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.factorial_design import (
+    FFNIDetails,
+    Nodes,
+    affordable_design,
+    check_nodes,
+    conditional_responses,
+    system_estimates,
+)
+from uqfold.moments.saddlepoint import SaddlepointDistribution
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.system.conditional import SystemProbability
+
+_MATTERS = 1e-3
+"""Share of pf from which a fallback at one node makes the whole answer doubtful."""
+
+
+@dataclass(frozen=True)
+class FFNISaddlepoint(ReliabilityMethod):
+    """Full-factorial numerical integration with the saddlepoint approximation, Eqs. (31)-(36).
+
+    Gauss rules over the shared inputs give the outer expectation; at each shared node, Gauss rules
+    over the individual inputs give four cumulants, and from these the Lugannani-Rice formula gives
+    both tails of the conditional response.
+
+    Attributes
+    ----------
+    nodes_shared, nodes_individual
+        Nodes per shared and per individual input: one number for all, or a tuple. The product
+        of all of them is the number of model runs.
+
+    Raises
+    ------
+    ValueError
+        If a node count is not a whole number from 1 to 64.
+
+    Notes
+    -----
+    Where the cumulants allow no admissible saddlepoint, the Pearson distribution with the same
+    moments answers, and the status is ``doubtful`` if that matters. With a synchronization
+    threshold the method is ``unsupported``: the approximation gives tails, but no density worth
+    integrating. The method states no error of its own.
+    """
+
+    name: ClassVar[str] = "ffni-spa"
+    title: ClassVar[str] = "FFNI + saddlepoint"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    nodes_shared: Nodes = 3
+    nodes_individual: Nodes = 5
+
+    def __post_init__(self) -> None:
+        check_nodes("nodes_shared", self.nodes_shared)
+        check_nodes("nodes_individual", self.nodes_individual)
+
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Say why not: as the base says, and every criterion with tau."""
+        if criterion.tau is not None:
+            return (
+                "the saddlepoint approximation gives no density for a synchronization threshold: "
+                "use ffni-pearson"
+            )
+        return super().supports(problem, criterion)
+
+    def _solve(self, task: Task) -> Solution:
+        design = affordable_design(task, self.nodes_shared, self.nodes_individual)
+        responses, details = conditional_responses(
+            design, task.evaluate(design.x), SaddlepointDistribution
+        )
+
+        def doubts(criterion: Criterion, found: SystemProbability) -> list[str]:
+            return _doubts(task.problem.n_units, criterion, found, details)
+
+        return Solution(system_estimates(task, responses, details, doubts), details)
+
+
+def _doubts(
+    units: int, criterion: Criterion, found: SystemProbability, details: FFNIDetails
+) -> list[str]:
+    """Say where the fallback answered at a node that contributes to pf."""
+    fallbacks = 0
+    for weight, distribution in zip(details.weights, details.distributions, strict=True):
+        if isinstance(distribution, SaddlepointDistribution):
+            value = distribution.evaluate(np.array([criterion.threshold]))
+            smaller = min(float(value.cdf[0]), float(value.sf[0]))
+            share = weight * units * criterion.max_missions * smaller
+            fallbacks += bool(value.fallback[0] and share > _MATTERS * found.pf)
+    if fallbacks == 0:
+        return []
+    return [
+        f"no admissible saddlepoint at {fallbacks} of {len(details.weights)} shared nodes; the "
+        "Pearson distribution answers there"
+    ]

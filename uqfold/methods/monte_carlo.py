@@ -1,0 +1,223 @@
+"""Crude Monte Carlo: whole systems are drawn and simulated, mission by mission and unit by unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.result import Estimate, Status
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.system.event import mission_fails
+from uqfold.typing import BoolArray, FloatArray, IntArray
+
+BLOCK_SYSTEMS = 4096
+"""Systems drawn from one random stream; part of the meaning of a seed."""
+LEVEL = 0.95
+
+
+@dataclass(frozen=True)
+class MonteCarloDetails:
+    """What Monte Carlo counted.
+
+    Attributes
+    ----------
+    n_systems
+        Systems simulated.
+    failures
+        Failed systems of each criterion (n_criteria,), open ones (failed runs) counted as failed.
+    history_systems, history_failures
+        The same counts after each block: (n_blocks,) and (n_blocks, n_criteria).
+    """
+
+    n_systems: int
+    failures: IntArray
+    history_systems: IntArray
+    history_failures: IntArray
+
+
+@dataclass(frozen=True)
+class MonteCarlo(ReliabilityMethod):
+    """Crude Monte Carlo on the system itself; no approximation but sampling.
+
+    Each system draws its shared inputs once and its individual inputs for every unit and every
+    mission. All criteria of the grid are read off the same systems; a criterion of m missions
+    uses the first m of them, a binomial one as many as its own draw says.
+
+    Attributes
+    ----------
+    systems
+        Systems to simulate; `max_evals` may allow fewer, then the status is
+        ``budget_exhausted``. One system costs n units times the most missions of the grid.
+    target_cov
+        Stop early once the coefficient of variation of every criterion is at most this; None:
+        never.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+
+    Notes
+    -----
+    The interval is that of Clopper and Pearson (Biometrika 26 (1934) 404-413) at 95 %; without a
+    failure it is the one-sided upper bound. With `target_cov` the stopping time depends on the
+    failures, so the interval is then approximate.
+    """
+
+    name: ClassVar[str] = "mc"
+    title: ClassVar[str] = "Monte Carlo"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    systems: int = 100_000
+    target_cov: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.systems < 1:
+            raise ValueError(f"systems = {self.systems}: simulate at least one")
+        if self.target_cov is not None and not self.target_cov > 0.0:
+            raise ValueError(f"target_cov = {self.target_cov}: give a positive number or None")
+
+    @property
+    def stochastic(self) -> bool:
+        """True: another seed draws other systems."""
+        return True
+
+    def _solve(self, task: Task) -> Solution:
+        missions = max(c.max_missions for c in task.criteria)
+        per_system = task.problem.n_units * missions
+        affordable = task.session.remaining // per_system
+        planned = min(self.systems, affordable)
+        if planned == 0:
+            message = (
+                f"one system costs {per_system} runs, max_evals = {task.max_evals} allows none"
+            )
+            return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
+        task.expect(planned * per_system)
+        counts = _Counts(len(task.criteria))
+        for block, start in enumerate(range(0, planned, BLOCK_SYSTEMS)):
+            size = min(BLOCK_SYSTEMS, planned - start)
+            counts.add(size, *_simulate(task, missions, block, size))
+            if self.target_cov is not None and counts.worst_cov() <= self.target_cov:
+                break
+        cut = planned < self.systems and counts.systems == planned
+        estimates = [self._estimate(counts, i, cut=cut) for i in range(len(task.criteria))]
+        return Solution(estimates, counts.details())
+
+    def _estimate(self, counts: _Counts, i: int, *, cut: bool) -> Estimate:
+        n, high, low = counts.systems, int(counts.high[i]), int(counts.low[i])
+        pf = high / n
+        ci_low, ci_high = clopper_pearson(low, n, LEVEL)[0], clopper_pearson(high, n, LEVEL)[1]
+        status: Status = "converged"
+        messages = []
+        if self.target_cov is not None and counts.cov(i) > self.target_cov:
+            status = "budget_exhausted"
+            messages.append(f"{n} systems, coefficient of variation above {self.target_cov:g}")
+        elif cut:
+            status = "budget_exhausted"
+            messages.append(f"{n} of {self.systems} systems")
+        bound = high in (0, n)
+        if bound:
+            status = "doubtful"
+            messages.append(f"{'no' if high == 0 else 'only'} failures among {n} systems")
+        return Estimate(
+            pf=pf,
+            reliability=(n - high) / n,
+            # without both outcomes the sample says nothing about its own spread
+            std_error=math.nan if bound else math.sqrt(pf * (1.0 - pf) / n),
+            ci_low=ci_low,
+            ci_high=ci_high,
+            ci_kind="clopper-pearson 95 %" + (" one-sided" if bound else ""),
+            pf_low=low / n,
+            pf_high=pf,
+            error_kind="sampling",
+            status=status,
+            message="; ".join(messages),
+        )
+
+
+@dataclass
+class _Counts:
+    """Running failure counts; `high` counts open systems as failed, `low` as safe."""
+
+    n_criteria: int
+    systems: int = 0
+    high: IntArray = field(init=False)
+    low: IntArray = field(init=False)
+    history: list[tuple[int, IntArray]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.high = np.zeros(self.n_criteria, dtype=np.int64)
+        self.low = np.zeros(self.n_criteria, dtype=np.int64)
+
+    def add(self, size: int, high: IntArray, low: IntArray) -> None:
+        self.systems += size
+        self.high = self.high + high
+        self.low = self.low + low
+        self.history.append((self.systems, self.high))
+
+    def cov(self, i: int) -> float:
+        k, n = int(self.high[i]), self.systems
+        return math.inf if k == 0 else math.sqrt((n - k) / (k * n))
+
+    def worst_cov(self) -> float:
+        return max(self.cov(i) for i in range(self.n_criteria))
+
+    def details(self) -> MonteCarloDetails:
+        return MonteCarloDetails(
+            n_systems=self.systems,
+            failures=self.high,
+            history_systems=np.array([n for n, _ in self.history], dtype=np.int64),
+            history_failures=np.array([k for _, k in self.history], dtype=np.int64),
+        )
+
+
+def _simulate(task: Task, missions: int, block: int, size: int) -> tuple[IntArray, IntArray]:
+    """Failures of each criterion in one block of systems: open ones as failed, and as safe."""
+    problem, rng = task.problem, task.generator(block)
+    x, flown = _draw(problem, rng, size, missions)
+    needed = np.zeros((size, missions), dtype=np.bool_)
+    active = [_active_missions(c, flown) for c in task.criteria]
+    for mask in active:
+        needed |= mask
+    # missions that no criterion looks at are drawn, to keep the stream in step, but not run
+    rows = np.repeat(needed[:, :, None], problem.n_units, axis=2)
+    y = np.zeros(rows.shape)
+    y[rows] = task.evaluate(x[rows])
+    high = np.empty(len(task.criteria), dtype=np.int64)
+    low = np.empty_like(high)
+    for i, (criterion, mask) in enumerate(zip(task.criteria, active, strict=True)):
+        for counted, missing_fails in ((high, True), (low, False)):
+            fails = mission_fails(
+                y, criterion.threshold, criterion.tau, missing_fails=missing_fails
+            )
+            counted[i] = int(np.any(fails & mask, axis=1).sum())
+    return high, low
+
+
+def _draw(
+    problem: Problem, rng: np.random.Generator, size: int, missions: int
+) -> tuple[FloatArray, FloatArray]:
+    """Inputs (size, missions, units, d) of one block, and uniforms (size, missions) for flights."""
+    inputs, shape = problem.inputs, (size, missions, problem.n_units)
+    u = np.empty((*shape, inputs.dimension))
+    u[..., : inputs.n_shared] = rng.standard_normal((size, 1, 1, inputs.n_shared))
+    u[..., inputs.n_shared :] = rng.standard_normal((*shape, inputs.n_individual))
+    flown = rng.random((size, missions))
+    x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
+    return x.reshape(*shape, inputs.dimension), flown
+
+
+def _active_missions(criterion: Criterion, flown: FloatArray) -> BoolArray:
+    """Which missions (size, missions) this criterion looks at."""
+    index = np.arange(flown.shape[1])
+    if isinstance(criterion.missions, Binomial):
+        planned, p = criterion.missions.planned, criterion.missions.p
+        count = (flown[:, :planned] < p).sum(axis=1)
+        return np.asarray(index[None, :] < count[:, None])
+    return np.broadcast_to(index < criterion.missions, flown.shape)

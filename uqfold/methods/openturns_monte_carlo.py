@@ -1,0 +1,255 @@
+"""Monte Carlo by OpenTURNS' own simulation algorithm, on the system as one event."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar
+
+import numpy as np
+
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
+from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.result import Estimate, Status
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.system.event import SystemEvent
+
+LEVEL = 0.95
+BLOCKS_OF_RANDOM_COST = 8
+"""With a random number of missions a budget is cut into at least this many blocks, because only a
+block that fits even if all its missions are flown can be started."""
+
+
+@dataclass(frozen=True)
+class SimulationRun:
+    """What OpenTURNS simulated for one criterion.
+
+    Attributes
+    ----------
+    criterion
+        The criterion.
+    n_samples
+        Systems simulated.
+    failures, open_samples
+        How many of them failed, and how many a failed run left open (these are among `failures`).
+    block_size
+        Systems per block, after which the stopping rule is tested.
+    """
+
+    criterion: Criterion
+    n_samples: int
+    failures: int
+    open_samples: int
+    block_size: int
+
+
+@dataclass(frozen=True)
+class SimulationDetails:
+    """The runs of all criteria that could be simulated, in order."""
+
+    runs: tuple[SimulationRun, ...]
+
+
+@dataclass(frozen=True)
+class OpenTURNSMonteCarlo(ReliabilityMethod):
+    """Monte Carlo simulation of the system event by OpenTURNS, with its own stopping rule.
+
+    Each criterion is simulated by itself (`ProbabilitySimulationAlgorithm` with
+    `MonteCarloExperiment`) until the coefficient of variation of pf falls to `target_cov` or the
+    samples run out; as long as all samples have the same outcome, OpenTURNS goes on. The random
+    stream depends on the seed and on the criterion alone, not on its neighbours in the grid.
+
+    What is left of `max_evals` is split into equal shares for the criteria that are left, so that
+    an easy criterion leaves more for the later ones. The blocks are shortened until they fill the
+    share; with a random number of missions, a new block starts only if it fits in the worst case.
+
+    Attributes
+    ----------
+    target_cov
+        Stop once the coefficient of variation is at most this.
+    block_size
+        Systems per block; the stopping rule is tested after each block.
+    max_samples
+        Most systems per criterion where no budget is given. With a budget, the budget rules.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+
+    Notes
+    -----
+    The interval is that of Clopper and Pearson (Biometrika 26 (1934) 404-413) at 95 %, a
+    one-sided bound if all samples have the same outcome. It holds for a number of samples fixed
+    beforehand; the stopping rule looks at the failures, so the interval is approximate, and so
+    is the standard error. Where failed runs leave samples open, pf counts them as failed, and
+    `pf_low` as safe.
+    """
+
+    name: ClassVar[str] = "openturns-mc"
+    title: ClassVar[str] = "Monte Carlo (OpenTURNS)"
+    stochastic: ClassVar[bool] = True
+    bounds_failed_runs: ClassVar[bool] = True
+
+    target_cov: float = 0.1
+    block_size: int = 200
+    max_samples: int = 10_000
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.target_cov < math.inf:
+            raise ValueError(f"target_cov = {self.target_cov}: give a positive number")
+        if self.block_size < 1:
+            raise ValueError(f"block_size = {self.block_size}: give at least 1")
+        if self.max_samples < 1:
+            raise ValueError(f"max_samples = {self.max_samples}: give at least 1")
+
+    def _solve(self, task: Task) -> Solution:
+        events = [SystemEvent(task.problem, criterion) for criterion in task.criteria]
+        task.expect(sum(self.max_samples * event.max_evals_per_sample for event in events))
+        runs: list[SimulationRun] = []
+
+        def answer(event: SystemEvent, criteria_left: int) -> Estimate:
+            session = task.session
+            before = session.n_evals
+            share = None if session.max_evals is None else session.remaining // criteria_left
+            block_size, blocks = self._blocks(event, share)
+            if block_size == 0:
+                return Estimate.without_answer(
+                    "failed",
+                    f"one system can cost {event.max_evals_per_sample} runs, but the share of "
+                    f"this criterion is {share}",
+                )
+            run, cov = self._simulate(task, event, block_size, blocks, share)
+            runs.append(run)
+            return self._estimate(run, cov, session.n_evals - before)
+
+        estimates = [
+            attempt(partial(answer, event, len(events) - i)) for i, event in enumerate(events)
+        ]
+        return Solution(estimates, SimulationDetails(tuple(runs)))
+
+    def _blocks(self, event: SystemEvent, share: int | None) -> tuple[int, int]:
+        """Size and largest number of blocks that a share of the budget allows."""
+        if share is None:
+            samples, most = self.max_samples, self.block_size
+        elif event.random_missions:
+            # what a sample costs is not known beforehand: `_simulate` ends when the share does
+            affordable = share // event.max_evals_per_sample
+            samples, most = share, min(self.block_size, -(-affordable // BLOCKS_OF_RANDOM_COST))
+        else:
+            samples, most = share // event.max_evals_per_sample, self.block_size
+        if samples == 0 or most == 0:
+            return 0, 0
+        blocks = -(-samples // most)
+        return samples // blocks, blocks
+
+    def _simulate(
+        self, task: Task, event: SystemEvent, block_size: int, blocks: int, share: int | None
+    ) -> tuple[SimulationRun, float]:
+        """Run OpenTURNS on one event; also gives the coefficient of variation it reports."""
+        import openturns as ot
+
+        session = task.session
+        limit = math.inf if share is None else session.n_evals + share
+        n = failures = open_samples = 0
+        raised: list[BaseException] = []
+
+        def margins(u: Any) -> list[list[float]]:
+            nonlocal n, failures, open_samples
+            try:
+                low, high = event.margin_bounds(np.array(u), task.evaluate)
+            except BaseException as error:
+                # OpenTURNS turns it into a RuntimeError of its own
+                raised.append(error)
+                raise
+            n += high.size
+            failures += int((high > 0.0).sum())
+            open_samples += int(((high > 0.0) & ~(low > 0.0)).sum())
+            return [[value] for value in high.tolist()]
+
+        def worst_block_does_not_fit() -> bool:
+            return session.n_evals + block_size * event.max_evals_per_sample > limit
+
+        function = ot.PythonFunction(event.dimension, 1, func_sample=margins)
+        inputs = ot.RandomVector(ot.JointDistribution([ot.Normal()] * event.dimension))
+        algorithm = ot.ProbabilitySimulationAlgorithm(
+            ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Greater(), 0.0),
+            ot.MonteCarloExperiment(),
+        )
+        algorithm.setMaximumCoefficientOfVariation(self.target_cov)
+        algorithm.setMaximumStandardDeviation(0.0)
+        algorithm.setBlockSize(block_size)
+        algorithm.setMaximumOuterSampling(blocks)
+        algorithm.setStopCallback(worst_block_does_not_fit)
+        with _seeded(ot, _seed(task.seed, event.criterion)):
+            try:
+                algorithm.run()
+            except RuntimeError:
+                if raised:
+                    raise raised[0] from None
+                raise
+        result = algorithm.getResult()
+        reported = result.getProbabilityEstimate()
+        if n == 0 or abs(reported - failures / n) > 1e-9:
+            raise RuntimeError(
+                f"OpenTURNS reports pf = {reported}, but {failures} of {n} samples failed"
+            )
+        run = SimulationRun(event.criterion, n, failures, open_samples, block_size)
+        return run, float(result.getCoefficientOfVariation())
+
+    def _estimate(self, run: SimulationRun, cov: float, n_evals: int) -> Estimate:
+        n, high, low = run.n_samples, run.failures, run.failures - run.open_samples
+        pf = high / n
+        status: Status = "converged"
+        message = ""
+        certain = high in (0, n)
+        if certain:
+            status = "doubtful"
+            message = f"{'no' if high == 0 else 'only'} failures among {n} samples"
+        elif cov > self.target_cov:
+            status = "budget_exhausted"
+            message = (
+                f"coefficient of variation {cov:.2g} after {n} samples, not {self.target_cov:g}"
+            )
+        return Estimate(
+            pf=pf,
+            reliability=(n - high) / n,
+            # without both outcomes the sample says nothing about its own spread
+            std_error=math.nan if certain else math.sqrt(pf * (1.0 - pf) / n),
+            ci_low=clopper_pearson(low, n, LEVEL)[0],
+            ci_high=clopper_pearson(high, n, LEVEL)[1],
+            ci_kind="clopper-pearson 95 %" + (" one-sided" if certain else ""),
+            pf_low=low / n,
+            pf_high=pf,
+            error_kind="sampling",
+            status=status,
+            message=message,
+            n_evals_row=n_evals,
+        )
+
+
+def _seed(seed: int, criterion: Criterion) -> int:
+    """Derive the 32-bit seed of one criterion's stream from the recorded seed."""
+    missions = criterion.missions
+    planned, p = (
+        (missions.planned, missions.p) if isinstance(missions, Binomial) else (missions, -1.0)
+    )
+    tau = -1.0 if criterion.tau is None else criterion.tau
+    # adding zero gives -0.0 the bits of 0.0
+    key = np.array([criterion.threshold, tau, planned, p]) + 0.0
+    sequence = np.random.SeedSequence(seed, spawn_key=tuple(key.view(np.uint32).tolist()))
+    return int(sequence.generate_state(1)[0])
+
+
+@contextmanager
+def _seeded(ot: Any, seed: int) -> Iterator[None]:
+    """Seed OpenTURNS' global generator, and put it back as it was."""
+    state = ot.RandomGenerator.GetState()
+    try:
+        ot.RandomGenerator.SetSeed(seed)
+        yield
+    finally:
+        ot.RandomGenerator.SetState(state)

@@ -1,0 +1,132 @@
+"""The paper's sampling of the conditional distribution, Eqs. (43)-(47).
+
+From the conditional distribution at each shared node N_0 rows are drawn, each holding the responses
+of all units in all missions; the share of rows in which every mission works estimates the
+conditional reliability. The order-statistics integral gives the same without sampling error; this
+form is kept because it is the paper's own.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from uqfold.methods.base import Task
+from uqfold.methods.result import Estimate
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.system.conditional import ConditionalResponse
+from uqfold.system.event import mission_fails
+from uqfold.typing import FloatArray
+
+_NORMAL_95 = 1.959963984540054
+_CHUNK_VALUES = 4_000_000
+"""Responses held in memory at once; part of the meaning of a seed."""
+
+
+@runtime_checkable
+class _Sampler(Protocol):
+    """A distribution that can be drawn from."""
+
+    def sample(self, rng: np.random.Generator, size: tuple[int, ...]) -> FloatArray: ...
+
+
+def sampled_failure(
+    task: Task, responses: list[ConditionalResponse], weights: FloatArray, rows: int
+) -> list[Estimate]:
+    """Estimate every criterion of the task from sampled rows.
+
+    Parameters
+    ----------
+    task
+        Criteria, number of units and seed; each shared node has its own random stream.
+    responses, weights
+        Conditional response and quadrature weight (K,) at each shared node.
+    rows
+        N_0, rows drawn at each node.
+
+    Returns
+    -------
+    list[Estimate]
+        With the standard error of sampling; the error of the quadrature is not in it.
+    """
+    shape = (len(responses), len(task.criteria))
+    high, low, variance = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    for k, response in enumerate(responses):
+        failing = _node(task, response, rows, task.generator(k))
+        high[k], low[k] = failing[0], failing[1]
+        variance[k] = failing[2] / rows
+    never = float(weights @ np.array([response.p_never for response in responses]))
+    estimates = []
+    for i in range(len(task.criteria)):
+        pf, error = float(weights @ high[:, i]), math.sqrt(float(weights**2 @ variance[:, i]))
+        doubts = [] if 0.0 < pf < 1.0 else [f"all {rows} rows agree at every node"]
+        if never > 0.0:
+            doubts.append(f"infinite responses at nodes of weight {never:.2g}")
+        spread = error if 0.0 < pf < 1.0 else math.nan
+        estimates.append(
+            Estimate(
+                pf=min(pf, 1.0),
+                pf_low=min(float(weights @ low[:, i]), pf, 1.0),
+                pf_high=min(pf, 1.0),
+                std_error=spread,
+                ci_low=max(pf - _NORMAL_95 * spread, 0.0),
+                ci_high=min(pf + _NORMAL_95 * spread, 1.0),
+                ci_kind="normal 95 %, sampling only",
+                error_kind="sampling",
+                status="doubtful" if doubts else "converged",
+                message="; ".join(doubts),
+            )
+        )
+    return estimates
+
+
+def _node(
+    task: Task, response: ConditionalResponse, rows: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean failure per criterion, missing runs failing and safe, and the variance of the first."""
+    missions = max(c.max_missions for c in task.criteria)
+    n_units, n = task.problem.n_units, len(task.criteria)
+    chunk = max(1, _CHUNK_VALUES // (missions * n_units))
+    total, total_low, squares = np.zeros(n), np.zeros(n), np.zeros(n)
+    for start in range(0, rows, chunk):
+        size = min(chunk, rows - start)
+        y = _sample(response, rng, (size, missions, n_units))
+        for i, criterion in enumerate(task.criteria):
+            value = _row_failure(y, criterion, missing_fails=True)
+            total[i] += value.sum()
+            squares[i] += (value**2).sum()
+            total_low[i] += _row_failure(y, criterion, missing_fails=False).sum()
+    mean = total / rows
+    return mean, total_low / rows, np.maximum(squares / rows - mean**2, 0.0)
+
+
+def _row_failure(y: FloatArray, criterion: Criterion, *, missing_fails: bool) -> FloatArray:
+    """Failure of each row (size,): 0 or 1, or its mean over the binomial number of missions."""
+    fails = mission_fails(y, criterion.threshold, criterion.tau, missing_fails=missing_fails)
+    if not isinstance(criterion.missions, Binomial):
+        return np.asarray(fails[:, : criterion.missions].any(axis=1), dtype=np.float64)
+    planned, p = criterion.missions.planned, criterion.missions.p
+    failed_by = np.logical_or.accumulate(fails[:, :planned], axis=1)
+    chance = [math.comb(planned, k) * p**k * (1.0 - p) ** (planned - k) for k in range(planned + 1)]
+    return np.asarray(failed_by @ np.array(chance[1:]))
+
+
+def _sample(
+    response: ConditionalResponse, rng: np.random.Generator, shape: tuple[int, ...]
+) -> FloatArray:
+    """Draw responses; +-inf and NaN (failed runs) with their own probabilities."""
+    lost = response.p_never, response.p_always, response.p_missing
+    if response.distribution is None:
+        y = np.full(shape, np.nan)
+    elif isinstance(response.distribution, _Sampler):
+        y = response.distribution.sample(rng, shape)
+    else:
+        raise TypeError(f"{response.distribution!r} cannot be sampled")
+    if sum(lost) > 0.0:
+        u = rng.random(shape)
+        y = np.where(u < lost[0], np.inf, y)
+        y = np.where((u >= lost[0]) & (u < lost[0] + lost[1]), -np.inf, y)
+        y = np.where((u >= lost[0] + lost[1]) & (u < sum(lost)), np.nan, y)
+    return y

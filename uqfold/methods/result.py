@@ -1,0 +1,231 @@
+"""What every method returns: one row per criterion, with cost, error and status."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.typing import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Status: TypeAlias = Literal["converged", "budget_exhausted", "doubtful", "unsupported", "failed"]
+ErrorKind: TypeAlias = Literal["sampling", "surrogate", "none"]
+NO_ANSWER: frozenset[str] = frozenset({"unsupported", "failed"})
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A method's own answer to one criterion; the base adds cost and identity.
+
+    Attributes
+    ----------
+    pf
+        Failure probability; NaN only with the statuses ``unsupported`` and ``failed``.
+    reliability
+        1 - pf, computed directly where pf is close to one; None: take the complement.
+    std_error
+        Standard error of pf, NaN where the method has none.
+    ci_low, ci_high, ci_kind
+        Interval on pf and what it is; NaN and empty where the method has none.
+    pf_low, pf_high
+        pf with all failed runs counted safe, and all counted failed; None: not computed.
+    error_kind
+        What `std_error` and the interval cover: ``sampling``, ``surrogate`` or ``none``.
+    n_evals_row
+        Runs spent on this criterion alone; None: the whole run's.
+    """
+
+    pf: float
+    reliability: float | None = None
+    std_error: float = math.nan
+    ci_low: float = math.nan
+    ci_high: float = math.nan
+    ci_kind: str = ""
+    pf_low: float | None = None
+    pf_high: float | None = None
+    error_kind: ErrorKind = "none"
+    status: Status = "converged"
+    message: str = ""
+    n_evals_row: int | None = None
+
+    @classmethod
+    def without_answer(cls, status: Literal["unsupported", "failed"], message: str) -> Estimate:
+        """Give the row of a criterion that has no answer, and why."""
+        return cls(pf=math.nan, status=status, message=message)
+
+
+@dataclass(frozen=True)
+class CriterionResult:
+    """One row of a `ReliabilityResult`; fields as in `Estimate`, plus cost and identity.
+
+    Attributes
+    ----------
+    threshold, tau, missions, missions_planned, missions_p
+        The criterion: T, tau (NaN: none), a label of the mission profile, and for a binomial
+        number its parameters (NaN otherwise).
+    beta
+        Generalised reliability index -Phi^-1(pf).
+    n_evals, n_reused, n_failed
+        Model runs of the whole estimate, how many of them came from a store, how many failed.
+    seconds
+        Wall time of the whole estimate (s).
+    """
+
+    threshold: float
+    tau: float
+    missions: str
+    missions_planned: float
+    missions_p: float
+    pf: float
+    reliability: float
+    beta: float
+    std_error: float
+    ci_low: float
+    ci_high: float
+    ci_kind: str
+    pf_low: float
+    pf_high: float
+    error_kind: ErrorKind
+    status: Status
+    message: str
+    n_evals: int
+    n_evals_row: int
+    n_reused: int
+    n_failed: int
+    seconds: float
+    method: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class ReliabilityResult:
+    """Answers of one method run, one row per criterion, in the order of the criteria.
+
+    Attributes
+    ----------
+    criteria
+        The criteria asked for.
+    rows
+        One `CriterionResult` for each.
+    details
+        What the method found on its way (design points, moments, ...): a frozen record of a type
+        that belongs to the method, or None.
+    """
+
+    criteria: tuple[Criterion, ...]
+    rows: tuple[CriterionResult, ...]
+    details: Any = None
+
+    def __post_init__(self) -> None:
+        if len(self.criteria) != len(self.rows):
+            raise ValueError(f"{len(self.rows)} rows for {len(self.criteria)} criteria")
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[CriterionResult]:
+        return iter(self.rows)
+
+    def __getitem__(self, index: int) -> CriterionResult:
+        return self.rows[index]
+
+    @property
+    def pf(self) -> FloatArray:
+        """Failure probabilities (n_criteria,)."""
+        return np.array([row.pf for row in self.rows])
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.rows[0].method
+
+    @property
+    def n_evals(self) -> int:
+        """Model runs of the whole estimate."""
+        return self.rows[0].n_evals
+
+    @property
+    def n_failed(self) -> int:
+        """How many of them failed."""
+        return self.rows[0].n_failed
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of the whole estimate (s)."""
+        return self.rows[0].seconds
+
+    @property
+    def seed(self) -> int:
+        """Seed from which the run can be repeated."""
+        return self.rows[0].seed
+
+    def to_records(self) -> list[dict[str, Any]]:
+        """One dictionary per row, in the columns of `CriterionResult`."""
+        names = [field.name for field in fields(CriterionResult)]
+        return [{name: getattr(row, name) for name in names} for row in self.rows]
+
+    def to_frame(self) -> pd.DataFrame:
+        """One pandas row per criterion."""
+        import pandas as pd
+
+        return pd.DataFrame(self.to_records())
+
+
+@dataclass(frozen=True)
+class RunCost:
+    """What the base knows about a finished run and every row repeats."""
+
+    n_evals: int
+    n_reused: int
+    n_failed: int
+    seconds: float
+    method: str
+    seed: int
+
+
+def finished_row(criterion: Criterion, estimate: Estimate, cost: RunCost) -> CriterionResult:
+    """Join a method's estimate with the criterion and the cost of the run."""
+    binomial = criterion.missions if isinstance(criterion.missions, Binomial) else None
+    reliability = 1.0 - estimate.pf if estimate.reliability is None else estimate.reliability
+    n_evals_row = cost.n_evals if estimate.n_evals_row is None else estimate.n_evals_row
+    shared: Mapping[str, Any] = {
+        name: getattr(estimate, name)
+        for name in ("pf", "std_error", "ci_low", "ci_high", "ci_kind", "error_kind", "status")
+    }
+    return CriterionResult(
+        threshold=criterion.threshold,
+        tau=math.nan if criterion.tau is None else criterion.tau,
+        missions=str(criterion.missions),
+        missions_planned=math.nan if binomial is None else binomial.planned,
+        missions_p=math.nan if binomial is None else binomial.p,
+        reliability=reliability,
+        beta=reliability_index(estimate.pf, reliability),
+        pf_low=estimate.pf if estimate.pf_low is None else estimate.pf_low,
+        pf_high=estimate.pf if estimate.pf_high is None else estimate.pf_high,
+        message=estimate.message,
+        n_evals=cost.n_evals,
+        n_evals_row=n_evals_row,
+        n_reused=cost.n_reused,
+        n_failed=cost.n_failed,
+        seconds=cost.seconds,
+        method=cost.method,
+        seed=cost.seed,
+        **shared,
+    )
+
+
+def reliability_index(pf: float, reliability: float) -> float:
+    """Generalised reliability index beta = -Phi^-1(pf), from the smaller of the two tails."""
+    if math.isnan(pf):
+        return math.nan
+    from scipy.special import ndtri
+
+    # adding zero turns the -0.0 at pf = 1/2 into 0.0
+    return float(-ndtri(pf) if pf <= reliability else ndtri(reliability)) + 0.0

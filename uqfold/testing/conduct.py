@@ -1,0 +1,207 @@
+"""Checks of conduct: cost, seeds, state, and the shape of the answer."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import FrozenInstanceError, fields, is_dataclass
+
+import numpy as np
+
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.result import NO_ANSWER, ReliabilityResult, reliability_index
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Binomial, Criteria, criteria
+from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.testing.verdict import Settings, demand
+from uqfold.typing import FloatArray
+
+STATUSES = {"converged", "budget_exhausted", "doubtful", "unsupported", "failed"}
+SMALL_BUDGET = 4_000
+
+
+class CountingModel:
+    """A model that counts its rows and calls, and spoils the array it was given."""
+
+    def __init__(self, system: LinearNormalSystem) -> None:
+        self.system = system
+        self.rows = 0
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Give the responses (n,) of X (n, d)."""
+        self.rows += x.shape[0]
+        y = self.system.response(x)
+        x[:] = 1e9
+        return y
+
+
+def grid() -> Criteria:
+    """A small grid with everything in it."""
+    return criteria(threshold=[11.0, 12.5], tau=[None, 2.0], missions=[1, Binomial(3, 0.6)])
+
+
+def same_numbers(first: ReliabilityResult, second: ReliabilityResult) -> bool:
+    """Whether two results agree in every number, bit for bit, time apart."""
+    for a, b in zip(first.rows, second.rows, strict=True):
+        for field in fields(a):
+            if field.name == "seconds":
+                continue
+            left, right = getattr(a, field.name), getattr(b, field.name)
+            both_nan = left != left and right != right  # noqa: PLR0124 - NaN differs from itself
+            if left != right and not both_nan:
+                return False
+    return True
+
+
+def counted(system: LinearNormalSystem) -> tuple[Problem, CountingModel]:
+    """Give the system's problem around a counting model."""
+    model = CountingModel(system)
+    plain = system.problem()
+    problem = Problem(
+        model,
+        shared=plain.inputs.distribution.getMarginal([0]),
+        individual=plain.inputs.distribution.getMarginal([1, 2]),
+        names=plain.inputs.names,
+        units=system.units,
+        name="counted",
+    )
+    return problem, model
+
+
+def check_is_a_frozen_record_of_settings(method: ReliabilityMethod, _: Settings) -> None:
+    """A method is a frozen dataclass, equal to another with the same settings."""
+    demand(is_dataclass(method), f"{type(method).__name__} is not a dataclass")
+    settings = {f.name: getattr(method, f.name) for f in fields(method)}
+    demand(type(method)(**settings) == method, "two methods with the same settings differ")
+    try:
+        method.name = "other"  # type: ignore[misc]
+    except FrozenInstanceError:
+        pass
+    else:
+        demand(False, "the method is not frozen: its attributes can be set")
+    demand(bool(method.name), "the method has no name")
+
+
+def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
+    """One row per criterion, in order, with numbers that belong together."""
+    asked = grid()
+    result = method.estimate(LinearNormalSystem().problem(), asked, max_evals=SMALL_BUDGET, rng=1)
+    demand(result.criteria == tuple(asked), "the criteria came back changed or out of order")
+    demand(bool(any(math.isfinite(row.pf) for row in result)), "not a single criterion is answered")
+    for criterion, row in zip(asked, result, strict=True):
+        where = f"{method.name}, {criterion}: "
+        demand(row.status in STATUSES, where + f"status {row.status!r} is not one of {STATUSES}")
+        demand(row.method == method.name, where + f"row names the method {row.method!r}")
+        if row.status in NO_ANSWER:
+            demand(math.isnan(row.pf), where + f"status {row.status} with pf = {row.pf}")
+            demand(bool(row.message), where + f"status {row.status} without a message")
+            continue
+        demand(0.0 <= row.pf <= 1.0, where + f"pf = {row.pf}")
+        total = row.pf + row.reliability
+        demand(abs(total - 1.0) < 1e-9, where + f"pf + reliability = {total}")
+        beta = reliability_index(row.pf, row.reliability)
+        demand(row.beta == beta, where + f"beta = {row.beta}, expected {beta}")
+        demand(row.pf_low <= row.pf <= row.pf_high, where + "pf outside [pf_low, pf_high]")
+        if math.isfinite(row.ci_low) or math.isfinite(row.ci_high):
+            demand(row.ci_low <= row.pf <= row.ci_high, where + "pf outside its interval")
+            demand(bool(row.ci_kind), where + "an interval without saying of what kind")
+        if row.error_kind == "none":
+            demand(math.isnan(row.std_error), where + 'error_kind "none" with a standard error')
+
+
+def check_evaluations_are_counted_per_sample(method: ReliabilityMethod, _: Settings) -> None:
+    """`n_evals` equals the rows that the model has seen."""
+    problem, model = counted(LinearNormalSystem())
+    result = method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=2)
+    demand(model.rows > 0, "the model was never run")
+    demand(
+        result.n_evals == model.rows,
+        f"{method.name} reports {result.n_evals} evaluations, the model has seen {model.rows} rows",
+    )
+
+
+def check_budget_is_kept(method: ReliabilityMethod, _: Settings) -> None:
+    """No run beyond `max_evals`, however small it is, and a status that says so."""
+    for budget in (1, 7, 40, 200, 1_500):
+        problem, model = counted(LinearNormalSystem())
+        result = method.estimate(problem, grid(), max_evals=budget, rng=3)
+        demand(
+            model.rows <= budget,
+            f"{method.name} ran the model {model.rows} times with max_evals = {budget}",
+        )
+        for row in result:
+            demand(row.status in STATUSES, f"status {row.status!r} at max_evals = {budget}")
+    # a budget too small for anything must not look like an answer without runs
+    problem, model = counted(LinearNormalSystem())
+    for row in method.estimate(problem, criteria(12.5), max_evals=1, rng=3):
+        demand(row.status != "converged", f"{method.name} claims to converge with one run")
+
+
+def check_same_seed_same_answer(method: ReliabilityMethod, _: Settings) -> None:
+    """The same seed gives the same numbers, also after other problems, and in any order."""
+    system, other = LinearNormalSystem(), LinearNormalSystem(units=5, mean=9.0, shared_std=0.8)
+    first = method.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
+    method.estimate(other.problem(), grid(), max_evals=SMALL_BUDGET, rng=99)
+    np.random.default_rng().standard_normal(3)
+    again = method.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
+    demand(same_numbers(first, again), f"{method.name} gives another answer with the same seed")
+    fresh = type(method)(**{f.name: getattr(method, f.name) for f in fields(method)})
+    third = fresh.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
+    demand(same_numbers(first, third), f"{method.name} keeps state from one run to the next")
+
+
+def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> None:
+    """A stochastic method uses its seed; a deterministic one does not depend on it."""
+    problem = LinearNormalSystem().problem()
+    answers = [
+        method.estimate(problem, criteria([11.0, 11.5]), max_evals=SMALL_BUDGET, rng=seed).pf
+        for seed in (5, 6)
+    ]
+    equal = bool(np.array_equal(answers[0], answers[1], equal_nan=True))
+    if method.stochastic:
+        demand(not equal, f"{method.name} gives the same answer with another seed")
+    else:
+        demand(equal, f"{method.name} depends on the seed but does not call itself stochastic")
+
+
+def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, _: Settings) -> None:
+    """A new interpreter with other string hashing gives the same numbers, to the last bit."""
+    settings = {f.name: getattr(method, f.name) for f in fields(method)}
+    code = (
+        f"from {type(method).__module__} import {type(method).__qualname__} as Method\n"
+        "from uqfold.testing.conduct import grid\n"
+        "from uqfold.testing.linear_normal import LinearNormalSystem\n"
+        f"method = Method(**{settings!r})\n"
+        f"result = method.estimate(LinearNormalSystem().problem(), grid(), "
+        f"max_evals={SMALL_BUDGET}, rng=7)\n"
+        "print([value.hex() for value in result.pf])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-R", "-c", code], capture_output=True, text=True, check=False
+    )
+    demand(done.returncode == 0, f"{method.name} fails in a fresh process: {done.stderr[-500:]}")
+    here = method.estimate(LinearNormalSystem().problem(), grid(), max_evals=SMALL_BUDGET, rng=7).pf
+    expected = str([float(value).hex() for value in here])
+    demand(
+        done.stdout.strip() == expected,
+        f"{method.name} gives {done.stdout.strip()} in a fresh process, {expected} here",
+    )
+
+
+def check_problem_is_left_alone(method: ReliabilityMethod, _: Settings) -> None:
+    """The problem's inputs are the same after a run, and so is NumPy's global generator."""
+    problem = LinearNormalSystem().problem()
+    probe = np.linspace(-2.0, 2.0, 9).reshape(3, 3)
+    before = problem.inputs.from_standard_normal(probe)
+    state = _global_state()
+    method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=8)
+    after = problem.inputs.from_standard_normal(probe)
+    demand(bool(np.array_equal(before, after)), f"{method.name} changed the problem's inputs")
+    demand(state == _global_state(), f"{method.name} moved NumPy's global random generator")
+
+
+def _global_state() -> str:
+    state: object = np.random.get_state(legacy=True)  # noqa: NPY002 - it is what is watched
+    with np.printoptions(threshold=10_000):
+        return repr(state)

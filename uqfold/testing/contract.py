@@ -1,0 +1,78 @@
+"""The contract suite: one small function for each promise that a reliability method makes.
+
+`check_method(method)` runs them all on one method. A check raises `ContractError` with the
+promise that was broken. Checks of accuracy use `LinearNormalSystem`, whose answers are exact: a
+method with a sampling error is judged in its own standard errors, one without a stated error
+(``error_kind`` "none") to the relative tolerance that the caller names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.testing import accuracy, conduct, hard_cases
+from uqfold.testing.verdict import ContractError, Settings
+
+__all__ = ["CHECKS", "ContractError", "check_method"]
+
+Check = Callable[[ReliabilityMethod, Settings], None]
+
+
+def _collected() -> dict[str, Check]:
+    checks: dict[str, Check] = {}
+    for module in (conduct, hard_cases, accuracy):
+        for name, value in vars(module).items():
+            if name.startswith("check_"):
+                checks[name.removeprefix("check_")] = value
+    return checks
+
+
+CHECKS: dict[str, Check] = _collected()
+"""Every check by name, in the order in which they run."""
+
+
+def check_method(
+    method: ReliabilityMethod,
+    *,
+    only: Iterable[str] | None = None,
+    except_for: Iterable[str] = (),
+    tolerance: float = 0.03,
+    max_evals: int = 60_000,
+) -> list[str]:
+    """Run the contract on one method.
+
+    Parameters
+    ----------
+    method
+        The method, with whatever settings it is meant to be judged by.
+    only, except_for
+        Names of checks (keys of `CHECKS`) to run, or to leave out for a reason that the caller
+        states next to the call.
+    tolerance
+        Relative error allowed where the method states no error of its own.
+    max_evals
+        Budget for the checks of accuracy.
+
+    Returns
+    -------
+    list[str]
+        Names of the checks that ran, all of them passed.
+
+    Raises
+    ------
+    ContractError
+        At the first broken promise.
+    ValueError
+        If a name is not that of a check.
+    """
+    selected = list(CHECKS) if only is None else list(only)
+    left_out = set(except_for)
+    unknown = [name for name in [*selected, *left_out] if name not in CHECKS]
+    if unknown:
+        raise ValueError(f"no check is named {unknown[0]!r}: choose from {', '.join(CHECKS)}")
+    settings = Settings(tolerance=tolerance, max_evals=max_evals)
+    ran = [name for name in selected if name not in left_out]
+    for name in ran:
+        CHECKS[name](method, settings)
+    return ran
