@@ -1,0 +1,233 @@
+"""A problem: a response model, its random inputs, and how units make up the system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from uqfold.inputs import JointInputs, joint_inputs, product_inputs
+from uqfold.problems.criterion import Criteria, criteria
+from uqfold.problems.structure import CutSets, KOutOfN, Series, Structure
+from uqfold.typing import FloatArray, Model
+
+if TYPE_CHECKING:
+    from uqfold.problems.reference import ReferenceTable
+
+LIMIT_STATE_THRESHOLD = float(np.nextafter(0.0, -1.0))
+"""Threshold of a plain limit state: failure is g <= 0, so y = -g works only below zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """One unit that differs from the others.
+
+    Attributes
+    ----------
+    model
+        Its own response model, or None for the problem's.
+    individual
+        Its own distribution of the individual inputs, or None for the problem's.
+    offset
+        Added to its response, in the response's unit.
+    name
+        How reports call it.
+    """
+
+    model: Model | None = None
+    individual: Any = None
+    offset: float = 0.0
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Problem:
+    """A response model, its random inputs, and how units make up the system.
+
+    Two forms: shared and individual inputs that are independent of each other, ::
+
+        Problem(model, shared=dist, individual=dist, units=4)
+
+    or one joint distribution, whose dependence may also link shared and individual inputs, ::
+
+        Problem(model, inputs=joint, shared=["V_q", "delta"], units=4)
+
+    Parameters
+    ----------
+    model
+        Response model: takes X (n, d), columns shared inputs first, gives y (n,); the response is
+        the quantity that must stay small. +inf is a valid response that fails every criterion;
+        NaN or an exception is a failed run.
+    inputs
+        Joint distribution of all inputs (second form).
+    shared
+        First form: distribution of the shared inputs, or None. Second form: their names.
+    individual
+        Distribution of the individual inputs of one unit (first form).
+    units
+        Number of exchangeable units, or a sequence of `Unit` records that differ. All units are
+        independent given the shared inputs.
+    structure
+        How the units make up the system; `Series()` by default.
+    low_fidelity
+        A cheaper partner model with the same arguments, or None.
+    version
+        Text that identifies the model's version to a store, or None (nothing is stored).
+    name, response, input_units, response_unit
+        How reports call the problem, its response and their units.
+    names
+        Names of all inputs, shared first, instead of those that the distributions carry.
+    default_criteria
+        The criteria meant when none are given.
+    references
+        Known answers with their own uncertainty.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the inputs, units or structure do not fit together.
+    """
+
+    model: Model
+    inputs: JointInputs
+    units: int | tuple[Unit, ...]
+    structure: Structure
+    low_fidelity: Model | None
+    version: str | None
+    name: str
+    response: str
+    response_unit: str
+    input_units: tuple[str, ...]
+    default_criteria: Criteria | None
+    references: ReferenceTable | None
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        inputs: Any = None,
+        shared: Any = None,
+        individual: Any = None,
+        units: int | Sequence[Unit] = 1,
+        structure: Structure | None = None,
+        low_fidelity: Model | None = None,
+        version: str | None = None,
+        name: str | None = None,
+        response: str = "response",
+        response_unit: str = "",
+        input_units: Sequence[str] | None = None,
+        names: Sequence[str] | None = None,
+        default_criteria: Criteria | None = None,
+        references: ReferenceTable | None = None,
+    ) -> None:
+        if not callable(model):
+            raise TypeError(f"model {model!r} is not callable: give a function of X (n, d)")
+        if low_fidelity is not None and not callable(low_fidelity):
+            raise TypeError(f"low_fidelity {low_fidelity!r} is not callable")
+        if inputs is not None:
+            if individual is not None:
+                raise ValueError("give either inputs= or individual=, not both")
+            joint = joint_inputs(inputs, _names_of_shared(shared), names)
+        else:
+            joint = product_inputs(shared, individual, names)
+        unit_names = tuple(input_units) if input_units is not None else ("",) * joint.dimension
+        if len(unit_names) != joint.dimension:
+            raise ValueError(f"{len(unit_names)} input_units for {joint.dimension} inputs")
+        fields: dict[str, Any] = {
+            "model": model,
+            "inputs": joint,
+            "units": _checked_units(units),
+            "structure": Series() if structure is None else structure,
+            "low_fidelity": low_fidelity,
+            "version": version,
+            "name": name if name is not None else getattr(model, "__name__", "problem"),
+            "response": response,
+            "response_unit": response_unit,
+            "input_units": unit_names,
+            "default_criteria": default_criteria,
+            "references": references,
+        }
+        for key, value in fields.items():
+            object.__setattr__(self, key, value)
+        _check_structure(self.structure, self.n_units)
+
+    @classmethod
+    def from_limit_state(
+        cls, g: Callable[[FloatArray], Any], inputs: Any, **options: Any
+    ) -> Problem:
+        """Give the one-unit problem of a plain limit state: failure when g(x) <= 0.
+
+        The response is y = -g and the threshold lies one float below zero, so that g = 0 fails;
+        `default_criteria` holds it.
+
+        Parameters
+        ----------
+        g
+            Limit-state function: takes X (n, d), gives (n,).
+        inputs
+            Joint distribution of the d inputs.
+        options
+            Further arguments of `Problem`, for instance ``name``.
+        """
+        options.setdefault("name", getattr(g, "__name__", "limit state"))
+        options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
+        return cls(_Negated(g), inputs=inputs, units=1, **options)
+
+    @property
+    def n_units(self) -> int:
+        """Number of units n."""
+        return self.units if isinstance(self.units, int) else len(self.units)
+
+    @property
+    def exchangeable(self) -> bool:
+        """Whether all units share one model and one distribution."""
+        return isinstance(self.units, int)
+
+    def __repr__(self) -> str:
+        return (
+            f"Problem({self.name!r}, {self.inputs!r}, units={self.n_units}, "
+            f"structure={self.structure!r})"
+        )
+
+
+@dataclass(frozen=True)
+class _Negated:
+    """The response -g of a limit-state function g."""
+
+    g: Callable[[FloatArray], Any]
+
+    def __call__(self, x: FloatArray) -> Any:
+        return -np.asarray(self.g(x), dtype=np.float64)
+
+
+def _names_of_shared(shared: Any) -> Sequence[str]:
+    if shared is None:
+        return ()
+    if isinstance(shared, str) or not all(isinstance(name, str) for name in shared):
+        raise TypeError(f"with inputs=, shared= is a list of input names, not {shared!r}")
+    return list(shared)
+
+
+def _checked_units(units: int | Sequence[Unit]) -> int | tuple[Unit, ...]:
+    if isinstance(units, bool) or not isinstance(units, int | np.integer | Sequence):
+        raise TypeError(f"units = {units!r}: give a whole number or a sequence of Unit")
+    if isinstance(units, Sequence):
+        if not units or not all(isinstance(unit, Unit) for unit in units):
+            raise TypeError(f"units = {units!r}: give a whole number or a sequence of Unit")
+        return tuple(units)
+    if units < 1:
+        raise ValueError(f"units = {units}: a system has at least one unit")
+    return int(units)
+
+
+def _check_structure(structure: Structure, n_units: int) -> None:
+    if isinstance(structure, KOutOfN) and structure.k > n_units:
+        raise ValueError(f"{structure} cannot hold for a system of {n_units} units")
+    if isinstance(structure, CutSets):
+        largest = max(max(one) for one in structure.sets)
+        if largest >= n_units:
+            raise ValueError(
+                f"{structure} names unit {largest}, but the system has {n_units} units, from 0"
+            )
