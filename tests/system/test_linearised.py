@@ -1,0 +1,94 @@
+import math
+
+import numpy as np
+import pytest
+from scipy import integrate, stats
+from scipy.special import ndtr
+
+from uqfold.problems.criterion import Binomial
+from uqfold.system.linearised import linearised_failure, linearised_failures
+
+
+def two_units_fail(beta: float, rho: float) -> float:
+    """P(U_1 > beta or U_2 > beta), with the joint part by Plackett's integral over correlation."""
+
+    def density(r: float) -> float:
+        return math.exp(-(beta**2) / (1 + r)) / (2 * math.pi * math.sqrt(1 - r * r))
+
+    product = float(ndtr(-beta)) ** 2
+    # substituting r = sin(angle) removes the square root at r = 1
+    joint = integrate.quad(
+        lambda a: density(math.sin(a)) * math.cos(a), 0, math.asin(rho), epsabs=0, epsrel=1e-13
+    )[0]
+    return 2 * float(ndtr(-beta)) - product - float(joint)
+
+
+@pytest.mark.parametrize("rho", [1e-12, 0.06, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("beta", [-1.28, 0.0, 2.0, 4.0, 7.0])
+def test_two_units_against_the_bivariate_normal(beta: float, rho: float) -> None:
+    pf, reliability = linearised_failure(beta, rho, 2)
+    assert pf == pytest.approx(two_units_fail(beta, rho), rel=2e-11, abs=0)
+    assert pf + reliability == pytest.approx(1.0, rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize("beta", [-1.0, 1.0, 3.0])
+def test_equal_correlation_against_the_multivariate_normal(beta: float) -> None:
+    """Three units over two missions are six equally correlated margins."""
+    covariance = np.full((6, 6), 0.4) + 0.6 * np.eye(6)
+    reference = stats.multivariate_normal.cdf(
+        np.full(6, beta), cov=covariance, abseps=1e-6, releps=0, rng=np.random.default_rng(1)
+    )
+    assert linearised_failure(beta, 0.4, 3, 2)[1] == pytest.approx(float(reference), abs=5e-6)
+
+
+@pytest.mark.parametrize("rho", [0.0, 1e-15, 0.3, 1 - 1e-13, 1.0])
+@pytest.mark.parametrize("beta", [-8.0, -1.0, 1.0, 8.0])
+def test_pf_lies_between_one_and_all_units_and_complements_agree(beta: float, rho: float) -> None:
+    missions = [1, 3, Binomial(10, 0.7)]
+    pf, reliability = linearised_failures(beta, rho, 4, missions)
+    one = float(ndtr(-beta))
+    assert one * (1 - 1e-12) <= pf[0] <= 4 * one * (1 + 1e-12)
+    assert pf[0] <= pf[1] * (1 + 1e-12)
+    np.testing.assert_allclose(pf + reliability, 1.0, rtol=1e-13)
+
+
+def test_independent_limit() -> None:
+    p = float(ndtr(-7.0))
+    pf, reliability = linearised_failures(7.0, 0.0, 4, [1, 5])
+    np.testing.assert_allclose(pf, [4 * p, 20 * p], rtol=1e-10)
+    assert linearised_failure(7.0, 1e-14, 4, 5)[0] == pytest.approx(pf[1], rel=1e-6, abs=0)
+    low = linearised_failures(-7.0, 0.0, 4, [1])[1]
+    assert low[0] == pytest.approx(p**4, rel=1e-12, abs=0)
+    assert reliability[0] == 1.0 - pf[0]
+
+
+def test_fully_shared_limit() -> None:
+    """One unit decides for all; a binomial number of missions may also be zero."""
+    pf, reliability = linearised_failures(2.0, 1.0, 4, [1, 9, Binomial(3, 0.5)])
+    one = float(ndtr(-2.0))
+    np.testing.assert_allclose(pf, [one, one, one * 0.875], rtol=1e-14)
+    np.testing.assert_allclose(reliability, [1 - one, 1 - one, 1 - one * 0.875], rtol=1e-14)
+    near = linearised_failures(2.0, 1 - 1e-10, 4, [1, 9, Binomial(3, 0.5)])[0]
+    np.testing.assert_allclose(near, pf, rtol=1e-4)
+    assert (near[:2] > pf[:2]).all()
+
+
+def test_binomial_missions_are_the_sum_of_equation_30() -> None:
+    missions = [1, 2, 3, Binomial(3, 0.4)]
+    pf = linearised_failures(2.0, 0.3, 4, missions)[0]
+    weights = [math.comb(3, k) * 0.4**k * 0.6 ** (3 - k) for k in (1, 2, 3)]
+    assert pf[3] == pytest.approx(float(np.dot(weights, pf[:3])), rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize(("beta", "expected"), [(math.inf, 0.0), (-math.inf, 1.0)])
+def test_infinite_index(beta: float, expected: float) -> None:
+    assert linearised_failure(beta, 0.3, 4, 2) == (expected, 1.0 - expected)
+
+
+@pytest.mark.parametrize(
+    ("beta", "rho", "units", "match"),
+    [(math.nan, 0.1, 2, "NaN"), (1, -0.1, 2, "rho"), (1, 1.1, 2, "rho"), (1, 0.1, 0, "units")],
+)
+def test_bad_input(beta: float, rho: float, units: int, match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        linearised_failure(beta, rho, units)

@@ -1,0 +1,203 @@
+"""One mission under a synchronization threshold, against closed forms and other integrals."""
+
+import itertools
+import math
+from decimal import Decimal, getcontext
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy import integrate, stats
+from scipy.special import ndtr
+
+from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.normal import NormalDistribution
+from uqfold.moments.pearson import PearsonDistribution
+from uqfold.moments.saddlepoint import SaddlepointDistribution
+from uqfold.system.conditional import ConditionalResponse
+from uqfold.system.conditional_unit import Unit
+from uqfold.system.synchronized import mission_probability
+
+getcontext().prec = 80
+
+
+def mission(
+    distribution: ConditionalDistribution, units: int, threshold: float, tau: float | None
+) -> tuple[float, float]:
+    unit = Unit([ConditionalResponse(distribution)], np.ones(1))
+    found = mission_probability(unit, units, np.array([threshold]), tau)
+    return float(found.failure[0]), float(found.success[0])
+
+
+EXPONENTIAL = PearsonDistribution(1.0, 1.0, 2.0, 9.0)
+
+
+def exponential(units: int, threshold: float, tau: float) -> tuple[float, float]:
+    """Failure and success of exponential responses in 80 digits; order statistics are exact."""
+    n, big_t, t = units, Decimal(threshold), Decimal(tau)
+    if t >= big_t:
+        works = (1 - (-big_t).exp()) ** n
+    else:
+        start = big_t - t
+        works = (1 - (-t).exp()) ** (n - 1) * (1 - (-n * start).exp())
+        works += ((-start).exp() - (-big_t).exp()) ** n
+    return float(1 - works), float(works)
+
+
+@pytest.mark.parametrize("units", [2, 4, 30])
+@pytest.mark.parametrize(
+    ("threshold", "tau"),
+    [(0.01, 0.001), (1.0, 0.3), (1.0, 2.0), (5.0, 4.0), (14.0, 13.0), (28.0, 27.0), (40.0, 28.0)],
+)
+def test_exponential_responses(units: int, threshold: float, tau: float) -> None:
+    failure, success = mission(EXPONENTIAL, units, threshold, tau)
+    expected = exponential(units, threshold, tau)
+    # T itself is known to a rounding error, which moves the probability of T <= 0.01 by 1e-13.
+    assert failure == pytest.approx(expected[0], rel=1e-11, abs=0)
+    assert success == pytest.approx(expected[1], rel=1e-10, abs=0)
+    if threshold == 28.0:
+        assert failure < 1e-10
+
+
+@pytest.mark.parametrize("units", [2, 3, 10])
+@pytest.mark.parametrize(("threshold", "tau"), [(0.9, 0.3), (1.5, 0.999), (2.0, 0.5), (0.2, 0.5)])
+def test_uniform_responses_with_kinks_at_both_ends(
+    units: int, threshold: float, tau: float
+) -> None:
+    d = PearsonDistribution(0.5, math.sqrt(1 / 12), 0.0, 1.8)
+    failure, success = mission(d, units, threshold, tau)
+    top = min(Fraction(threshold), Fraction(1))
+    window = min(Fraction(tau), top)
+    works = units * window ** (units - 1) * (top - window) + window**units
+    assert success == pytest.approx(float(works), rel=1e-11, abs=0)
+    assert failure == pytest.approx(float(1 - works), rel=1e-11, abs=0)
+
+
+def test_uniform_responses_that_almost_always_agree() -> None:
+    """tau = 1 - e: 1 - (n (1 - e)^(n-1) e + (1 - e)^n) = n (n - 1) e^2 / 2 to first order."""
+    e = 2.0**-18
+    d = PearsonDistribution(0.5, math.sqrt(1 / 12), 0.0, 1.8)
+    assert mission(d, 4, 5.0, 1 - e)[0] == pytest.approx(
+        6 * e**2 * (1 - 4 * e / 3), rel=1e-9, abs=0
+    )
+
+
+@pytest.mark.parametrize("tau", [0.1, 2.0, 6.0, 9.5, 12.0])
+def test_difference_of_two_normals(tau: float) -> None:
+    """Without T, two units fail with 2 Phi(-tau / sqrt 2): down to 1e-17."""
+    failure, success = mission(NormalDistribution(5.0, 1.0), 2, math.inf, tau)
+    assert failure == pytest.approx(2 * float(ndtr(-tau / math.sqrt(2))), rel=1e-11, abs=0)
+    assert success == pytest.approx(math.erf(tau / 2), rel=1e-11, abs=0)
+
+
+@pytest.mark.parametrize("units", [3, 4, 8])
+def test_range_of_normals(units: int) -> None:
+    for tau in (1.0, 3.0, 5.0):
+        reference = float(stats.studentized_range.cdf(tau, units, np.inf))
+        found = mission(NormalDistribution(0.0, 1.0), units, math.inf, tau)[1]
+        assert found == pytest.approx(reference, rel=1e-8, abs=0)
+
+
+def brute_force(exact: stats.rv_continuous, units: int, threshold: float, tau: float) -> float:
+    """Success by integration over u = H(t) of the smallest response, with SciPy."""
+
+    cdf = exact.cdf
+
+    def integrand(u: float) -> float:
+        return units * (float(cdf(min(exact.ppf(u) + tau, threshold))) - u) ** (units - 1)
+
+    cuts = [threshold - tau, 1.0 - tau, 1e-9, 1e-4, 0.5]
+    edges = sorted({0.0, cdf(threshold), *(min(cdf(c), cdf(threshold)) for c in cuts)})
+    return sum(
+        float(integrate.quad(integrand, a, b, epsabs=1e-13, epsrel=1e-11, limit=400)[0])
+        for a, b in itertools.pairwise(edges)
+        if b > a
+    )
+
+
+SHAPES = {
+    "J": stats.beta(0.5, 5),
+    "U": stats.beta(0.3, 0.2),
+    "nearly two points": stats.beta(0.01, 0.02),
+    "bell": stats.beta(2.5, 1.5),
+    "gamma": stats.gamma(0.3),
+    "heavy": stats.t(5),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_singular_and_heavy_densities(name: str) -> None:
+    exact = SHAPES[name]
+    mean, variance, skewness, excess = (float(m) for m in exact.stats("mvsk"))
+    d = PearsonDistribution(mean, math.sqrt(variance), skewness, 3 + excess)
+    for units, threshold, tau in [(4, 0.7, 0.3), (2, 0.95, 0.5), (3, 1.5, 0.98), (4, 3.0, 0.01)]:
+        failure, success = mission(d, units, threshold, tau)
+        expected = brute_force(exact, units, threshold, tau)
+        assert success == pytest.approx(expected, rel=2e-8, abs=1e-11)
+        assert failure + success == pytest.approx(1.0, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize("skewness", [-0.3, 0.0, 0.3])
+def test_failure_with_both_thresholds_in_the_tail(skewness: float) -> None:
+    """Two units, T and tau both far out: 1 - H(T)^2 + 2 int h [S(t + tau) - S(T)] dt by SciPy."""
+    d = PearsonDistribution(0.0, 1.0, skewness, 3.25)
+
+    def integrand(t: float) -> float:
+        return 2 * float(d.pdf(t)) * float(d.sf(t + 9.0) - d.sf(8.0))
+
+    late = float(d.sf(8.0)) * (2 - float(d.sf(8.0)))
+    apart = sum(
+        integrate.quad(integrand, a, a + 1, epsabs=0, epsrel=1e-12)[0] for a in range(-40, -1)
+    )
+    failure, _ = mission(d, 2, 8.0, 9.0)
+    assert failure == pytest.approx(late + apart, rel=1e-10, abs=0)
+    assert failure < 1e-7
+
+
+def test_limits() -> None:
+    d = NormalDistribution(0.0, 1.0)
+    plain = mission(d, 4, 1.0, None)
+    assert plain[1] == pytest.approx(float(ndtr(1.0)) ** 4, rel=1e-14, abs=0)
+    assert mission(d, 4, 1.0, math.inf) == pytest.approx(plain, rel=1e-14, abs=0)
+    assert mission(d, 4, 1.0, 60.0) == pytest.approx(plain, rel=1e-13, abs=0)
+    assert mission(d, 4, 1.0, 0.0) == pytest.approx((1.0, 0.0), abs=1e-15)
+    assert mission(d, 4, -math.inf, 1.0) == (1.0, 0.0)
+    assert mission(d, 1, 1.0, 0.1) == pytest.approx(mission(d, 1, 1.0, None), rel=1e-15, abs=0)
+    assert mission(d, 4, math.inf, None) == (0.0, 1.0)
+
+
+def test_small_tau_is_a_power_of_tau() -> None:
+    """For tau -> 0 success tends to n tau^(n-1) int h^n: 1e-20 is a number too."""
+    integral = 1 / math.sqrt(2) / math.sqrt(2 * math.pi) ** 3 / math.sqrt(2)
+    found = mission(NormalDistribution(0.0, 1.0), 4, math.inf, 1e-6)[1]
+    assert found == pytest.approx(4 * 1e-18 * integral, rel=1e-5, abs=0)
+
+
+def test_thresholds_share_one_integration_without_disturbing_each_other() -> None:
+    unit = Unit([ConditionalResponse(PearsonDistribution(0, 1, 0.4, 3.4))], np.ones(1))
+    thresholds = np.linspace(-2, 9, 23)
+    together = mission_probability(unit, 4, thresholds, 3.0)
+    alone = [mission_probability(unit, 4, np.array([t]), 3.0) for t in thresholds]
+    np.testing.assert_allclose(together.failure, [a.failure[0] for a in alone], rtol=1e-11)
+    np.testing.assert_allclose(together.success, [a.success[0] for a in alone], rtol=1e-10)
+    np.testing.assert_allclose(together.failure + together.success, 1.0, rtol=1e-12)
+    assert (np.diff(together.failure) < 1e-15).all()
+
+
+def test_saddlepoint_has_no_density_to_integrate() -> None:
+    with pytest.raises(TypeError, match="SaddlepointDistribution has no density"):
+        mission(SaddlepointDistribution(0, 1, 0.1, 3.1), 4, 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("units", "threshold", "tau", "match"),
+    [
+        (0, 1.0, 1.0, "units"),
+        (2, math.nan, 1.0, "NaN"),
+        (2, 1.0, -0.1, "tau"),
+        (2, 1.0, math.nan, "tau"),
+    ],
+)
+def test_bad_input(units: int, threshold: float, tau: float, match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        mission(NormalDistribution(0, 1), units, threshold, tau)

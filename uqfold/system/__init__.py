@@ -1,0 +1,1 @@
+"""From the response of one unit to the failure probability of the system."""

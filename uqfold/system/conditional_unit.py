@@ -1,0 +1,160 @@
+"""One unit's response as a mixture over conditional responses.
+
+Given the shared inputs a unit follows one conditional response; if units were independent, each
+would follow the marginal H-bar = E_v H, the mixture of all of them. Both are the same algebra.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from uqfold.moments.conditional import (
+    AtCoordinate,
+    ConditionalDistribution,
+    IntegrableDistribution,
+)
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.typing import FloatArray
+
+Component: TypeAlias = tuple[float, IntegrableDistribution]
+"""Weight and distribution."""
+
+# A mixture of many components starts from about this many panels; adaptivity adds the rest.
+_MOST_BREAKPOINTS = 400
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Part of the unit's continuous probability that is integrated in one coordinate.
+
+    Attributes
+    ----------
+    parts
+        Components of one coordinate, with their weights: any number with bounded density, or a
+        single other one.
+    others
+        The unit's remaining components, with theirs.
+    """
+
+    parts: Sequence[Component]
+    others: Sequence[Component]
+
+    @cached_property
+    def breakpoints(self) -> FloatArray:
+        """Panel edges in the coordinate of `at`."""
+        points = np.unique(np.concatenate([part.breakpoints for _, part in self.parts]))
+        if points.size <= _MOST_BREAKPOINTS:
+            return points
+        step = -(-points.size // _MOST_BREAKPOINTS)
+        return np.unique(np.concatenate([points[::step], points[-1:]]))
+
+    def coordinate(self, y: ArrayLike) -> FloatArray:
+        """Integration coordinate of the response y."""
+        return self.parts[0][1].coordinate(y)
+
+    def at(self, x: FloatArray) -> AtCoordinate:
+        """Response, density of this part, and tails of the whole unit at coordinates x."""
+        share, part = self.parts[0]
+        y, density, cdf, sf = part.at_coordinate(x)
+        density, cdf, sf = share * density, share * cdf, share * sf
+        for share, part in self.parts[1:]:
+            density = density + share * part.pdf(y)
+        for share, part in [*self.parts[1:], *self.others]:
+            tails = part.tails(y)
+            cdf, sf = cdf + share * tails[0], sf + share * tails[1]
+        return AtCoordinate(y, density, cdf, sf)
+
+
+class Unit:
+    """Mixture of conditional responses with weights that sum to 1.
+
+    Attributes
+    ----------
+    p_finite, p_never, p_always, p_missing
+        Total probabilities, see `ConditionalResponse`.
+    """
+
+    def __init__(self, responses: Sequence[ConditionalResponse], weights: FloatArray) -> None:
+        self.p_never = float(sum(w * r.p_never for w, r in zip(weights, responses, strict=True)))
+        self.p_always = float(sum(w * r.p_always for w, r in zip(weights, responses, strict=True)))
+        self.p_missing = float(
+            sum(w * r.p_missing for w, r in zip(weights, responses, strict=True))
+        )
+        finite = [
+            (w * r.p_finite, r.distribution)
+            for w, r in zip(weights, responses, strict=True)
+            if r.distribution is not None and w * r.p_finite > 0
+        ]
+        self.p_finite = finite_mass = float(sum(share for share, _ in finite))
+        whole = self.p_finite + self.p_never + self.p_always + self.p_missing
+        # Sums of quadrature weights reach 1 only up to rounding.
+        self.p_finite, self.p_never = self.p_finite / whole, self.p_never / whole
+        self.p_always, self.p_missing = self.p_always / whole, self.p_missing / whole
+        self._shares = [share / finite_mass for share, _ in finite]
+        self._parts: list[ConditionalDistribution] = [part for _, part in finite]
+
+    def tails(self, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """(cdf, sf) of a finite response; (1, 0) everywhere if there is none."""
+        y = np.asarray(y, dtype=float)
+        if not self._parts:
+            return np.ones(y.shape), np.zeros(y.shape)
+        cdf, sf = np.zeros(y.shape), np.zeros(y.shape)
+        for part, share in zip(self._parts, self._shares, strict=True):
+            if isinstance(part, IntegrableDistribution):
+                part_cdf, part_sf = part.tails(y)
+            else:
+                part_cdf, part_sf = part.cdf(y), part.sf(y)
+            cdf, sf = cdf + share * part_cdf, sf + share * part_sf
+        return np.minimum(cdf, 1.0), np.minimum(sf, 1.0)
+
+    @cached_property
+    def _integrable(self) -> list[Component]:
+        for part in self._parts:
+            if not isinstance(part, IntegrableDistribution):
+                raise TypeError(
+                    f"{type(part).__name__} has no density to integrate over, which a "
+                    "synchronization threshold tau needs; use a Pearson or normal distribution"
+                )
+        parts = cast(list[IntegrableDistribution], self._parts)
+        return list(zip(self._shares, parts, strict=True))
+
+    @cached_property
+    def measures(self) -> list[Measure]:
+        """The continuous part, cut so that each piece has one coordinate."""
+        everything = self._integrable
+        continuous = [i for i, (_, part) in enumerate(everything) if part.breakpoints.size]
+        smooth = [i for i in continuous if everything[i][1].bounded]
+        groups = [[i] for i in continuous if not everything[i][1].bounded]
+        if smooth:
+            groups.append(smooth)
+        return [
+            Measure(
+                [everything[i] for i in group],
+                [component for i, component in enumerate(everything) if i not in group],
+            )
+            for group in groups
+        ]
+
+    @cached_property
+    def atoms(self) -> tuple[FloatArray, FloatArray]:
+        """Values with probability > 0 and these probabilities, among finite responses."""
+        values = np.concatenate([np.empty(0)] + [part.atoms[0] for _, part in self._integrable])
+        masses = np.concatenate(
+            [np.empty(0)] + [share * part.atoms[1] for share, part in self._integrable]
+        )
+        unique, inverse = np.unique(values, return_inverse=True)
+        summed = np.zeros(unique.size)
+        np.add.at(summed, inverse, masses)
+        return unique, summed
+
+    @cached_property
+    def ends(self) -> FloatArray:
+        """Finite ends of the components' supports, where tails have kinks."""
+        ends = np.array([end for _, part in self._integrable for end in part.support])
+        return np.unique(ends[np.isfinite(ends)])
