@@ -1,0 +1,220 @@
+"""The commands and their options."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar, cast
+
+import typer
+
+import uqfold
+from uqfold.cli.interrupts import Interrupts
+from uqfold.comparison.cases import available_cases, named_case
+
+if TYPE_CHECKING:
+    from uqfold.evaluation.evaluator import FailedRunPolicy
+
+Value = TypeVar("Value")
+
+BATCH_ROWS = 1024
+"""Runs between two looks at the progress bar and at Ctrl-C; has no influence on any number."""
+
+_CASES = "\n".join(f"  {case.name:<14}{case.description}" for case in available_cases().values())
+
+_APP_HELP = """How reliable is this system, and which method tells us most cheaply?
+
+\b
+Examples:
+  uqfold compare folding-wing
+  uqfold compare --help
+  uqfold methods
+"""
+
+_COMPARE_HELP = f"""Compare reliability methods on one case.
+
+Runs every method on the same grid of criteria, prints one table, and writes records (CSV, JSON)
+and figures (PNG, SVG).
+
+\b
+Cases:
+{_CASES}
+
+\b
+Examples:
+  uqfold compare folding-wing
+  uqfold compare series --method ffni-spa --method mc --threshold 2 --threshold 4
+  uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04 --missions 1,5
+  uqfold compare folding-wing --missions 10:0.7 --max-evals 5000 --seed 7 --out results
+"""
+
+_METHODS_HELP = """List the methods that can be compared.
+
+The built-in ones, and those that other installed packages add.
+
+\b
+Example:
+  uqfold methods
+"""
+
+
+@dataclass(frozen=True)
+class Invocation:
+    """What a command knows of the process: the words typed, and Ctrl-C."""
+
+    words: Sequence[str]
+    interrupts: Interrupts
+
+
+app = typer.Typer(
+    name="uqfold",
+    help=_APP_HELP,
+    no_args_is_help=True,
+    add_completion=False,
+    # plain messages: they stay whole, and can be searched and copied
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit.
+
+    Parameters
+    ----------
+    arguments
+        The words after the program's name; None takes those of this process.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # a terminal that cannot show one sign must not lose the whole table
+            stream.reconfigure(errors="replace")
+    # before anything starts a thread: threads inherit what is said about signals
+    with Interrupts() as interrupts:
+        app(args=words, prog_name="uqfold", obj=Invocation(words, interrupts))
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"uqfold {uqfold.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command(name="compare", help=_COMPARE_HELP)
+def compare_methods(
+    context: typer.Context,
+    case: Annotated[str, typer.Argument(metavar="CASE", help="One of the cases above.")],
+    *,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Method to run; may be repeated. Default: all."),
+    ] = None,
+    threshold: Annotated[
+        list[str] | None,
+        typer.Option(metavar="T", help="Response threshold; may be repeated, or T,T,..."),
+    ] = None,
+    tau: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TAU", help="Synchronization threshold, or none; may be repeated."),
+    ] = None,
+    missions: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="M",
+            help="Number of missions, or PLANNED:P for a binomial number; may be repeated.",
+        ),
+    ] = None,
+    max_evals: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Most model runs per method. Default: suits the case."),
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of every method.")] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Where to write. Default: uqfold-results/CASE."),
+    ] = None,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Print nothing but errors; the files are written.")
+    ] = False,
+    failed_runs: Annotated[
+        str,
+        typer.Option(
+            metavar="POLICY",
+            help="What a failed model run means: bound, count-as-failure or raise.",
+        ),
+    ] = "bound",
+) -> None:
+    """Compare methods on a case."""
+    chosen = _usage(named_case, case)
+    problem = chosen.problem()
+
+    from uqfold.cli.compare import ComparisonSession
+    from uqfold.cli.words import chosen_criteria, listed
+    from uqfold.comparison.header import shown_command
+    from uqfold.comparison.run import ComparisonPlan, plan_comparison
+    from uqfold.evaluation import Evaluator
+    from uqfold.problems.criterion import Criteria
+
+    def plan() -> ComparisonPlan:
+        return plan_comparison(
+            problem,
+            None if method is None else listed(method),
+            chosen_criteria(Criteria(problem.default_criteria or ()), threshold, tau, missions),
+            max_evals=chosen.max_evals if max_evals is None else max_evals,
+            rng=seed,
+            # the evaluator itself refuses other policies
+            evaluator=Evaluator(
+                failed_runs=cast("FailedRunPolicy", failed_runs), batch_rows=BATCH_ROWS
+            ),
+        )
+
+    planned = _usage(plan)
+    folder = Path("uqfold-results", chosen.name) if out is None else out
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise typer.BadParameter(f"--out {folder}: {error.strerror}") from error
+    invocation: Invocation = context.obj
+    session = ComparisonSession(
+        planned,
+        shown_command(invocation.words),
+        folder,
+        invocation.interrupts,
+        figures=not no_figures,
+        quiet=quiet,
+    )
+    raise typer.Exit(session.run())
+
+
+@app.command(name="methods", help=_METHODS_HELP)
+def list_methods() -> None:
+    """Print name and title of every method."""
+    from uqfold.methods import available
+
+    methods = available()
+    width = max(map(len, methods))
+    for name, method in methods.items():
+        typer.echo(f"{name:<{width}}  {method.title}".rstrip())
+
+
+def _usage(check: Callable[..., Value], *arguments: object) -> Value:
+    """Turn what a check has against the user's words into a usage error."""
+    try:
+        return check(*arguments)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error

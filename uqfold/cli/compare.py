@@ -1,0 +1,159 @@
+"""Running a comparison for the command line: save after every method, show, draw."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from uqfold.cli.interrupts import Interrupts
+from uqfold.comparison.header import RunHeader
+from uqfold.comparison.records import Records, write_records
+from uqfold.comparison.run import ComparisonPlan, run_comparison
+from uqfold.evaluation import FailedRunError
+from uqfold.problems.base import Problem
+from uqfold.report.figures import figure_paths, write_figures
+from uqfold.report.layout import hanging
+from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
+from uqfold.report.table import ComparisonTable
+
+PIPED_WIDTH = 120
+COMPILING = "compiling the model (on first use only, 10 to 20 s) ..."
+
+EXIT_FAILED = 1
+EXIT_INTERRUPTED = 130
+
+
+@dataclass
+class ComparisonSession:
+    """One comparison started from the command line.
+
+    Attributes
+    ----------
+    plan
+        What to run.
+    command
+        The command as it goes into the records.
+    folder
+        Where records and figures go.
+    interrupts
+        Tells whether Ctrl-C was pressed.
+    figures
+        Whether to draw figures.
+    quiet
+        Whether to print nothing but errors.
+    """
+
+    plan: ComparisonPlan
+    command: str
+    folder: Path
+    interrupts: Interrupts
+    figures: bool = True
+    quiet: bool = False
+    records: Records = field(init=False)
+    _written: list[Path] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self.records = Records(RunHeader.of(self.plan, self.command), ())
+
+    def run(self) -> int:
+        """Run all methods and report; give the exit code of the program.
+
+        Every finished method is saved at once. An interruption ends the run, but the methods that
+        finished are kept and shown.
+        """
+        code = 0
+        try:
+            self._run_methods()
+        except KeyboardInterrupt:
+            self._say_interrupted()
+            code = EXIT_INTERRUPTED
+        except FailedRunError as error:
+            _say(f"error: {error}")
+            code = EXIT_FAILED
+        if self.records.rows:
+            self._report()
+        if code == 0 and all(math.isnan(row["pf"]) for row in self.records.rows):
+            _say("error: no method has an answer")
+            code = EXIT_FAILED
+        return code
+
+    def _run_methods(self) -> None:
+        """Run the methods one by one, and save each as soon as it has finished."""
+        terminal = Console(stderr=True, quiet=self.quiet)
+        with notice_if_slow(COMPILING, terminal):
+            _run_once(self.plan.problem)
+        with ComparisonProgressBar(list(self.plan.methods), terminal) as bar:
+
+            def progress(label: str, n_evals: int, expected: int | None) -> None:
+                self.interrupts.check()
+                bar(label, n_evals, expected)
+
+            for run in run_comparison(self.plan, progress):
+                # what was interrupted may look finished where a library swallowed the interruption
+                self.interrupts.check()
+                self._save(run.rows)
+
+    def _save(self, rows: Iterable[dict[str, Any]]) -> None:
+        if not self.records.rows:
+            # figures of an earlier comparison would not belong to these records
+            for path in figure_paths(self.folder):
+                path.unlink(missing_ok=True)
+        self.records = replace(self.records, rows=(*self.records.rows, *rows))
+        self._written = list(write_records(self.records, self.folder))
+
+    def _report(self) -> None:
+        out = _stdout(quiet=self.quiet)
+        out.print(ComparisonTable(self.records))
+        if self.figures:
+            self._written += write_figures(self.records, self.folder)
+        names = ", ".join(path.name for path in self._written)
+        out.print()
+        for line in hanging(f"written to {shown_path(self.folder)}: ", names, out.width):
+            out.print(line, highlight=False)
+
+    def _say_interrupted(self) -> None:
+        finished, asked = self.records.finished, self.records.header.methods
+        said = "interrupted before any method finished; nothing was written"
+        if finished:
+            said = (
+                f"interrupted: {len(finished)} of {len(asked)} methods finished and are kept in "
+                f"{shown_path(self.folder)}: {', '.join(finished)}"
+            )
+        _say(said)
+
+
+def _say(text: str) -> None:
+    """Say something on the standard error, also when quiet, in one line."""
+    Console(stderr=True).print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+def shown_path(path: Path) -> str:
+    """Give a path as people would type it here: relative where it lies below this folder."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith(os.pardir) else relative
+
+
+def _run_once(problem: Problem) -> None:
+    """Run the model once at the median inputs, outside any count, so that it gets compiled.
+
+    Otherwise the first method would be charged with the compilation. What the model has against
+    these inputs is for the methods to find out.
+    """
+    with contextlib.suppress(Exception):
+        x = problem.inputs.from_standard_normal(np.zeros((1, problem.inputs.dimension)))
+        problem.model(x)
+
+
+def _stdout(*, quiet: bool) -> Console:
+    """Give the console of the standard output; into a pipe or file the table is set wide."""
+    piped = not sys.stdout.isatty() and "COLUMNS" not in os.environ
+    return Console(width=PIPED_WIDTH if piped else None, quiet=quiet)

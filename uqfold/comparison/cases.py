@@ -1,0 +1,80 @@
+"""Named cases: the problems that the command line can compare methods on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    from uqfold.problems.base import Problem
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem with a name, and a budget that suits the cost of its model.
+
+    Attributes
+    ----------
+    name
+        How the command line calls it.
+    description
+        One line for lists.
+    factory
+        Where the problem is built, as ``module:function``; imported when first needed.
+    max_evals
+        Budget of each method unless another is given.
+    """
+
+    name: str
+    description: str
+    factory: str
+    max_evals: int
+
+    def problem(self) -> Problem:
+        """Build the problem."""
+        module, _, function = self.factory.partition(":")
+        build = cast("Callable[[], Problem]", getattr(import_module(module), function))
+        return build()
+
+
+_CASES = (
+    Case(
+        "folding-wing",
+        "four folding wings, Example 3: deployment time of a mechanism with joint clearances",
+        "uqfold.problems:folding_wing",
+        max_evals=40_000,
+    ),
+    Case(
+        "series",
+        "series system with a nonlinear response, Example 1: a formula",
+        "uqfold.problems:series",
+        max_evals=2_000_000,
+    ),
+    Case(
+        "four-bar",
+        "two four-bar linkages on one crank, Example 2: rocker angle, a formula",
+        "uqfold.problems:four_bar",
+        max_evals=2_000_000,
+    ),
+)
+
+
+def available_cases() -> dict[str, Case]:
+    """Map every case's name to the case."""
+    return {case.name: case for case in _CASES}
+
+
+def named_case(name: str) -> Case:
+    """Give the case of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none; the message lists those that exist.
+    """
+    cases = available_cases()
+    if name not in cases:
+        raise ValueError(f"no case is named {name!r}: choose from {', '.join(cases)}")
+    return cases[name]

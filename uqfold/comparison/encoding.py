@@ -1,0 +1,79 @@
+"""Values of records in strict JSON, which knows neither NaN nor infinity.
+
+NaN becomes ``null``, infinities the texts ``"inf"`` and ``"-inf"``; every other number is written
+in the shortest form that reads back to the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NoReturn, TypeVar
+
+from uqfold.problems.criterion import Binomial, Criterion
+
+Value = TypeVar("Value", float, int, str)
+
+_INFINITE = {"inf": math.inf, "-inf": -math.inf}
+_CALLED = {float: "a number", int: "a whole number", str: "a text"}
+
+
+def encoded(value: float | str) -> float | str | None:
+    """Give a number or text as a JSON value."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    return value
+
+
+def decoded(value: Any, kind: type[Value], where: str) -> Value:
+    """Give back what `encoded` was given.
+
+    Raises
+    ------
+    TypeError
+        If the JSON value is not of that kind; the message says where.
+    """
+    if kind is float:
+        if value is None:
+            return kind(math.nan)
+        if isinstance(value, str) and value in _INFINITE:
+            return kind(_INFINITE[value])
+    accepted: tuple[type, ...] = (float, int) if kind is float else (kind,)
+    wrong = isinstance(value, bool) or not isinstance(value, accepted)
+    if wrong:
+        raise TypeError(f"{where} = {value!r} is not {_CALLED[kind]}")
+    return kind(value)
+
+
+def member(document: Mapping[str, Any], name: str, kind: type[Value]) -> Value:
+    """Give one field of a JSON object, decoded; a missing one is a KeyError."""
+    return decoded(document[name], kind, name)
+
+
+def encoded_criterion(criterion: Criterion) -> dict[str, Any]:
+    """Give a criterion as a JSON object."""
+    missions: Any = criterion.missions
+    if isinstance(missions, Binomial):
+        missions = {"planned": missions.planned, "p": missions.p}
+    return {
+        "threshold": encoded(criterion.threshold),
+        "tau": None if criterion.tau is None else encoded(criterion.tau),
+        "missions": missions,
+    }
+
+
+def decoded_criterion(document: Mapping[str, Any]) -> Criterion:
+    """Give back the criterion that `encoded_criterion` was given."""
+    tau, missions = document["tau"], document["missions"]
+    return Criterion(
+        member(document, "threshold", float),
+        None if tau is None else decoded(tau, float, "tau"),
+        Binomial(member(missions, "planned", int), member(missions, "p", float))
+        if isinstance(missions, Mapping)
+        else decoded(missions, int, "missions"),
+    )
+
+
+def refuse_constant(name: str) -> NoReturn:
+    """Refuse the words NaN and Infinity, which Python's parser takes but JSON does not know."""
+    raise ValueError(f"{name} is not JSON")

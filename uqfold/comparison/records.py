@@ -1,0 +1,172 @@
+"""Records of a comparison on disk: what was asked, how it was run, and every row.
+
+The format is described in ``docs/records.md``. Two files hold the same rows: ``comparison.json``
+with everything, from which `read_records` gets the very same numbers back, and ``comparison.csv``
+for other programs.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
+from uqfold.comparison.encoding import decoded, encoded, refuse_constant
+from uqfold.comparison.header import RunHeader
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SCHEMA = "uqfold-comparison/1"
+JSON_NAME = "comparison.json"
+CSV_NAME = "comparison.csv"
+
+
+class RecordsError(ValueError):
+    """A file is no record of a comparison, or a damaged one."""
+
+
+@dataclass(frozen=True)
+class Records:
+    """A comparison as it is kept: how it was made, and its rows.
+
+    Attributes
+    ----------
+    header
+        What was asked and how it was run.
+    rows
+        One mapping per method and criterion, with the columns of `columns.COLUMNS`.
+    """
+
+    header: RunHeader
+    rows: tuple[Row, ...]
+
+    @property
+    def finished(self) -> tuple[str, ...]:
+        """Labels of the methods that have rows, in the order in which they ran."""
+        return tuple(dict.fromkeys(row["label"] for row in self.rows))
+
+    @property
+    def complete(self) -> bool:
+        """Whether every method that was asked for has its rows."""
+        return self.finished == tuple(entry.label for entry in self.header.methods)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give the rows as `uqfold.compare` does."""
+        return rows_to_frame(self.rows)
+
+
+def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
+    """Write ``comparison.csv`` and ``comparison.json`` into a folder, made if it is missing.
+
+    Each file appears whole or not at all: an interrupted write leaves the earlier one.
+
+    Returns
+    -------
+    tuple[pathlib.Path, pathlib.Path]
+        The two files, CSV first.
+    """
+    directory = Path(folder)
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = directory / CSV_NAME, directory / JSON_NAME
+    for path, text in zip(paths, (_csv_text(records), _json_text(records)), strict=True):
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="")
+    return paths
+
+
+def read_records(path: str | os.PathLike[str]) -> Records:
+    """Read the records of a comparison; their numbers are those written, to the last bit.
+
+    Parameters
+    ----------
+    path
+        A ``comparison.json``, or the folder that holds it.
+
+    Raises
+    ------
+    RecordsError
+        If the file is not of the schema ``uqfold-comparison/1``, or is damaged.
+    OSError
+        If it cannot be opened.
+    """
+    file = Path(path)
+    if file.is_dir():
+        file = file / JSON_NAME
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse_constant)
+        return _parsed(document)
+    except (ValueError, KeyError, TypeError) as error:
+        what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
+        raise RecordsError(
+            f"{file.name} is no readable record of a comparison: {what}. Records are written by "
+            "`uqfold compare`; see docs/records.md"
+        ) from error
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary path whose file takes the place of `path` once it is complete."""
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _json_text(records: Records) -> str:
+    document = {
+        "schema": SCHEMA,
+        **records.header.to_document(),
+        "columns": list(COLUMNS),
+        "rows": [
+            {name: encoded(kind(row[name])) for name, kind in COLUMNS.items()}
+            for row in records.rows
+        ],
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _csv_text(records: Records) -> str:
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in records.rows:
+        cells = (encoded(kind(row[name])) for name, kind in COLUMNS.items())
+        writer.writerow("" if cell is None else cell for cell in cells)
+    return buffer.getvalue()
+
+
+def _parsed(document: Any) -> Records:
+    if not isinstance(document, Mapping):
+        raise TypeError("it holds no JSON object")
+    if document.get("schema") != SCHEMA:
+        raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
+    if document["columns"] != list(COLUMNS):
+        raise ValueError(f"its columns are not those of {SCHEMA}")
+    header = RunHeader.from_document(document)
+    rows = tuple(_parsed_row(row, i) for i, row in enumerate(document["rows"]))
+    known = [entry.label for entry in header.methods]
+    for label in dict.fromkeys(row["label"] for row in rows):
+        n_rows = sum(row["label"] == label for row in rows)
+        if label not in known or n_rows != len(header.criteria):
+            raise ValueError(
+                f"it has {n_rows} rows of {label!r} for {len(header.criteria)} criteria"
+            )
+    return Records(header, rows)
+
+
+def _parsed_row(row: Mapping[str, Any], index: int) -> Row:
+    if list(row) != list(COLUMNS):
+        raise ValueError(f"row {index} has not the columns of the record")
+    return {
+        name: decoded(row[name], kind, f"row {index}, {name}") for name, kind in COLUMNS.items()
+    }

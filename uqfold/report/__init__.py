@@ -1,0 +1,29 @@
+"""Tables and figures of records; nothing here runs a model."""
+
+from typing import TYPE_CHECKING
+
+from uqfold.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from uqfold.report.cost import error_against_evaluations
+    from uqfold.report.curves import reliability_curves
+    from uqfold.report.figures import write_figures
+    from uqfold.report.table import ComparisonTable
+
+__all__ = [
+    "ComparisonTable",
+    "error_against_evaluations",
+    "reliability_curves",
+    "write_figures",
+]
+
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "ComparisonTable": "uqfold.report.table",
+        "error_against_evaluations": "uqfold.report.cost",
+        "reliability_curves": "uqfold.report.curves",
+        "write_figures": "uqfold.report.figures",
+    },
+)

@@ -1,0 +1,116 @@
+"""A progress bar per method, on terminals only and only for what takes longer than two seconds."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from types import TracebackType
+
+from rich.console import Console, RenderableType
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+SHOW_AFTER_SECONDS = 2.0
+
+
+class ComparisonProgressBar:
+    """Shows which method runs, how far it is, its rate and the time left.
+
+    To be used as a context manager, and to be called as the progress hook of
+    `uqfold.comparison.run_comparison`.
+
+    Parameters
+    ----------
+    labels
+        The methods, in the order in which they run.
+    console
+        Where to draw; nothing is drawn unless it is a terminal.
+    """
+
+    def __init__(self, labels: Sequence[str], console: Console) -> None:
+        self._labels = list(labels)
+        self._bar = _LateProgress(console)
+        self._enabled = console.is_terminal
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> ComparisonProgressBar:
+        """Start drawing."""
+        if self._enabled:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Remove the bar."""
+        if self._enabled:
+            self._bar.stop()
+
+    def __call__(self, label: str, n_evals: int, expected: int | None) -> None:
+        """Take one report of the comparison; zero runs mean that the method starts."""
+        if n_evals == 0 or self._task is None:
+            if self._task is not None:
+                self._bar.remove_task(self._task)
+            number = self._labels.index(label) + 1
+            self._bar.restart()
+            self._task = self._bar.add_task(f"{number}/{len(self._labels)} {label}", total=None)
+        self._bar.update(self._task, completed=n_evals, total=expected)
+
+
+@contextmanager
+def notice_if_slow(message: str, console: Console) -> Iterator[None]:
+    """Print a message if what follows takes longer than two seconds."""
+    timer = threading.Timer(SHOW_AFTER_SECONDS, console.print, [message])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+class _LateProgress(Progress):
+    """Draws nothing in the first two seconds after `restart`."""
+
+    def __init__(self, console: Console) -> None:
+        self._since = time.monotonic()
+        super().__init__(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=30),
+            _RunsColumn(),
+            TimeRemainingColumn(compact=True),
+            console=console,
+            transient=True,
+        )
+
+    def restart(self) -> None:
+        self._since = time.monotonic()
+
+    def get_renderables(self) -> Iterable[RenderableType]:
+        if time.monotonic() - self._since >= SHOW_AFTER_SECONDS:
+            yield from super().get_renderables()
+
+
+class _RunsColumn(ProgressColumn):
+    """Runs so far, runs expected, and their rate."""
+
+    def render(self, task: Task) -> Text:
+        done = f"{int(task.completed):,}"
+        of = "" if task.total is None else f" of {int(task.total):,}"
+        rate = "" if task.speed is None else f", {task.speed:,.0f}/s"
+        return Text(f"{done}{of} evaluations{rate}")

@@ -1,0 +1,102 @@
+"""Colours and markers of methods, the same in every figure, and readable without colour vision.
+
+Colours are those of Okabe and Ito; every method also has a marker of its own.
+
+References
+----------
+Okabe M, Ito K. Color universal design: how to make figures and presentations that are friendly to
+colorblind people. University of Tokyo, 2008.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
+
+
+@dataclass(frozen=True)
+class MethodStyle:
+    """Colour and marker of one method."""
+
+    color: str
+    marker: str
+
+    @property
+    def pale(self) -> tuple[float, float, float]:
+        """The colour mixed with white, for large areas."""
+        from matplotlib.colors import to_rgb
+
+        red, green, blue = (1.0 - 0.3 * (1.0 - part) for part in to_rgb(self.color))
+        return red, green, blue
+
+
+_FIXED = {
+    "ffni-spa": MethodStyle("#0072B2", "o"),
+    "ffni-pearson": MethodStyle("#D55E00", "s"),
+    "mc": MethodStyle("#009E73", "^"),
+    "openturns-form": MethodStyle("#CC79A7", "D"),
+    "openturns-mc": MethodStyle("#E69F00", "v"),
+}
+_FURTHER = (
+    MethodStyle("#56B4E9", "P"),
+    MethodStyle("#000000", "X"),
+    MethodStyle("#7F6A00", "<"),
+    MethodStyle("#5D3A9B", ">"),
+    MethodStyle("#B0003A", "p"),
+    MethodStyle("#4D4D4D", "h"),
+)
+
+REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4, 2))}
+BAND_COLOR = "#D9D9D9"
+
+STATUS_STYLES = {
+    "converged": "green",
+    "budget_exhausted": "yellow",
+    "doubtful": "yellow",
+    "unsupported": "bright_black",
+    "failed": "bold red",
+}
+"""Status -> style on a terminal."""
+
+FIGURE_SETTINGS: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4.5,
+    "savefig.dpi": 160,
+    # the same records give the same SVG file
+    "svg.hashsalt": "uqfold",
+}
+"""Matplotlib settings under which every figure is drawn and written."""
+
+
+@contextmanager
+def figure_settings() -> Iterator[None]:
+    """Apply `FIGURE_SETTINGS` for a while; the caller's own settings come back afterwards."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(FIGURE_SETTINGS):
+        yield
+
+
+def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
+    """Give each label its colour and marker.
+
+    The built-in methods always have theirs; other labels take the further ones in turn, in the
+    order given.
+    """
+    further = cycle(_FURTHER)
+    return {label: _FIXED.get(label) or next(further) for label in labels}
