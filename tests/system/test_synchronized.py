@@ -15,7 +15,7 @@ from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.system.conditional import ConditionalResponse
-from uqfold.system.conditional_unit import Unit
+from uqfold.system.conditional_unit import UnitResponse
 from uqfold.system.synchronized import mission_probability
 
 getcontext().prec = 80
@@ -24,7 +24,7 @@ getcontext().prec = 80
 def mission(
     distribution: ConditionalDistribution, units: int, threshold: float, tau: float | None
 ) -> tuple[float, float]:
-    unit = Unit([ConditionalResponse(distribution)], np.ones(1))
+    unit = UnitResponse([ConditionalResponse(distribution)], np.ones(1))
     found = mission_probability(unit, units, np.array([threshold]), tau)
     return float(found.failure[0]), float(found.success[0])
 
@@ -174,7 +174,7 @@ def test_small_tau_is_a_power_of_tau() -> None:
 
 
 def test_thresholds_share_one_integration_without_disturbing_each_other() -> None:
-    unit = Unit([ConditionalResponse(PearsonDistribution(0, 1, 0.4, 3.4))], np.ones(1))
+    unit = UnitResponse([ConditionalResponse(PearsonDistribution(0, 1, 0.4, 3.4))], np.ones(1))
     thresholds = np.linspace(-2, 9, 23)
     together = mission_probability(unit, 4, thresholds, 3.0)
     alone = [mission_probability(unit, 4, np.array([t]), 3.0) for t in thresholds]

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from uqfold.problems.criterion import Criterion, Missions
 from uqfold.system.conditional_response import ConditionalResponse
-from uqfold.system.conditional_unit import Unit
+from uqfold.system.conditional_unit import UnitResponse
 from uqfold.system.missions import over_missions
 from uqfold.system.synchronized import MissionProbability, mission_probability
 from uqfold.typing import FloatArray
@@ -49,7 +49,7 @@ class SystemProbability:
     pf_high: float
 
 
-def system_failure(  # noqa: PLR0917 (what defines the number, in the order of the paper)
+def system_failure(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
     units: int,
@@ -93,11 +93,11 @@ def system_failures(
         If an order-statistics integral does not converge.
     """
     shares = _normalised(responses, weights)
-    nodes = [Unit([response], np.ones(1)) for response in responses]
+    nodes = [UnitResponse([response], np.ones(1)) for response in responses]
     return _expectation(nodes, shares, units, criteria)
 
 
-def independent_failure(  # noqa: PLR0917 (as system_failure)
+def independent_failure(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
     units: int,
@@ -122,7 +122,7 @@ def independent_failures(
     errors as in `system_failures`.
     """
     shares = _normalised(responses, weights)
-    return _expectation([Unit(responses, shares)], np.ones(1), units, criteria)
+    return _expectation([UnitResponse(responses, shares)], np.ones(1), units, criteria)
 
 
 def _normalised(responses: Sequence[ConditionalResponse], weights: ArrayLike) -> FloatArray:
@@ -135,7 +135,7 @@ def _normalised(responses: Sequence[ConditionalResponse], weights: ArrayLike) ->
 
 
 def _expectation(
-    nodes: Sequence[Unit],
+    nodes: Sequence[UnitResponse],
     shares: FloatArray,
     units: int,
     criteria: Sequence[Criterion],
@@ -155,7 +155,7 @@ def _expectation(
 
 
 def _mission_table(
-    nodes: Sequence[Unit], units: int, criteria: Sequence[Criterion]
+    nodes: Sequence[UnitResponse], units: int, criteria: Sequence[Criterion]
 ) -> Callable[[Criterion], MissionProbability]:
     """One mission's probabilities at all nodes, for every (T, tau) that occurs: arrays (K,)."""
     thresholds: dict[float | None, list[float]] = {}

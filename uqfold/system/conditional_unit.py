@@ -71,7 +71,7 @@ class Measure:
         return AtCoordinate(y, density, cdf, sf)
 
 
-class Unit:
+class UnitResponse:
     """Mixture of conditional responses with weights that sum to 1.
 
     Attributes

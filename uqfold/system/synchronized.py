@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uqfold.moments.panels import integrate
-from uqfold.system.conditional_unit import Measure, Unit
+from uqfold.system.conditional_unit import Measure, UnitResponse
 from uqfold.typing import BoolArray, FloatArray
 
 
@@ -44,7 +44,7 @@ class MissionProbability:
 
 
 def mission_probability(
-    unit: Unit, units: int, thresholds: FloatArray, tau: float | None
+    unit: UnitResponse, units: int, thresholds: FloatArray, tau: float | None
 ) -> MissionProbability:
     """Probability that one mission of exchangeable, independent units fails, and that it works.
 
@@ -79,7 +79,7 @@ def mission_probability(
     return _synchronized(unit, units, thresholds, tau)
 
 
-def _unsynchronized(unit: Unit, units: int, thresholds: FloatArray) -> MissionProbability:
+def _unsynchronized(unit: UnitResponse, units: int, thresholds: FloatArray) -> MissionProbability:
     cdf, sf = unit.tails(thresholds)
     fails = unit.p_never + unit.p_finite * sf
     works = unit.p_always + unit.p_finite * cdf
@@ -95,7 +95,9 @@ def _all_work(fails: FloatArray, works: FloatArray, units: int) -> tuple[FloatAr
     return -np.expm1(units * log_works), np.exp(units * log_works)
 
 
-def _synchronized(unit: Unit, units: int, thresholds: FloatArray, tau: float) -> MissionProbability:
+def _synchronized(
+    unit: UnitResponse, units: int, thresholds: FloatArray, tau: float
+) -> MissionProbability:
     shape = thresholds.shape
     counts = [units] if unit.p_missing == 0 else list(range(1, units + 1))
     finite = finite_units(unit, counts, thresholds, tau)
@@ -125,7 +127,7 @@ def _with_bad(
 
 
 def finite_units(
-    unit: Unit, counts: Sequence[int], thresholds: FloatArray, tau: float
+    unit: UnitResponse, counts: Sequence[int], thresholds: FloatArray, tau: float
 ) -> dict[int, tuple[FloatArray, FloatArray]]:
     """(failure, success) (R,) each, of missions of `counts` units with finite responses."""
     cdf, sf = unit.tails(thresholds)
@@ -152,7 +154,7 @@ def finite_units(
 class _Rows:
     """Integrands for all (fails or works, number of units, threshold) at once: (2, C, R)."""
 
-    unit: Unit
+    unit: UnitResponse
     counts: list[int]
     thresholds: FloatArray
     cdf: FloatArray
