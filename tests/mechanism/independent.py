@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 DRIVE_CORNERS = (0.01, 0.61, 0.62)
+_HAIR = 1e-11
 
 
 def ramp(x, start, end):
@@ -56,7 +57,7 @@ class Wing:
 
     def penetration(self, y, which):
         e, e_rate, _ = self.joint(y, which)
-        return abs(e) - self.p.C_r, (e.conjugate() * e_rate).real / abs(e)
+        return abs(e) - self.p.C_r, (e.conjugate() * e_rate).real / max(abs(e), 1e-99)
 
     def rates(self, t, y, onset):
         p = self.p
@@ -115,11 +116,15 @@ def deployment_time(p, rtol=1e-9, atol=1e-11, max_step=1e-4):
     for which in (0, 1):
 
         def switch(_, y, which=which):
-            return wing.penetration(y.tolist(), which)[0]
+            # a hair of hysteresis, so that a contact that has just ended or begun is seen to have
+            margin = _HAIR if onset[which] else -_HAIR
+            return wing.penetration(y.tolist(), which)[0] + margin
 
         switch.terminal = True
         switches.append(switch)
     while t < p.t_max:
+        for which in (0, 1):
+            switches[which].direction = -1 if onset[which] else 1
         run = solve_ivp(
             lambda t, y: wing.rates(t, y, onset),
             (t, min([c for c in DRIVE_CORNERS if c > t] + [p.t_max])),
@@ -135,6 +140,6 @@ def deployment_time(p, rtol=1e-9, atol=1e-11, max_step=1e-4):
             return t
         for which in (0, 1):
             if len(run.t_events[1 + which]):
-                speed = wing.penetration(y.tolist(), which)[1]
-                onset[which] = max(speed, p.onset_velocity_floor) if speed > 0 else None
+                speed = max(wing.penetration(y.tolist(), which)[1], p.onset_velocity_floor)
+                onset[which] = None if onset[which] else speed
     return np.inf

@@ -148,7 +148,7 @@ def _build(source: int) -> Callable[..., Any]:
         Returns the number of time steps of the last sample; `record` (m, RECORD_WIDTH) takes the
         first m points of the motion, from the initial one on.
         """
-        steps = 0 * source
+        steps = 0 * source  # source matters as a part of the cache key only
         for i in range(samples.shape[0]):
             row = samples[i]
             p = SampleParameters(row[0], row[1], row[2], row[3], row[4], row[5], row[6])

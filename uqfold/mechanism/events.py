@@ -107,8 +107,10 @@ def _crossing(
             low = s
         else:
             high = s
-        s -= distance / (rate * step.h)
-        if not low < s < high:
+        slope = rate * step.h
+        if slope != 0.0:
+            s -= distance / slope
+        if slope == 0.0 or not low < s < high:
             s = 0.5 * (low + high)
     return s
 

@@ -205,7 +205,8 @@ def _build(source: int) -> Callable[..., Any]:
         friction in B and C, all summed up from 0 by Gauss rules, and the kinetic energy.
         """
         w = wing_constants(shared, p)
-        gaps = (0.0 * source, 0.0, 0.0, 0.0)  # not read here
+        # not read here; source matters as a part of the cache key only
+        gaps = (0.0 * source, 0.0, 0.0, 0.0)
         for i in range(record.shape[0]):
             q, v, a = _five(record[i], 1), _five(record[i], 6), _five(record[i], 11)
             z_B, z_C = record[i, 16], record[i, 17]

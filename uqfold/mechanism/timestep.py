@@ -178,15 +178,17 @@ def advance(w: WingConstants, start: State, h: float, tolerance: float) -> tuple
         lands = start.t + 1.0001 * h >= corner
         taken = corner - start.t if lands else h
         q, v, a, d, error = runge_kutta(w, start, taken)
-        factor = _SAFETY / math.sqrt(math.sqrt(error / tolerance))
+        factor = _LARGEST_GROWTH
+        if error != 0.0:
+            factor = min(factor, _SAFETY / math.sqrt(math.sqrt(error / tolerance)))
         if error <= tolerance:
             break
         rejected = True
-        # this way round a NaN is cut, too
-        h = taken * factor if factor > _LARGEST_CUT else taken * _LARGEST_CUT
+        h = taken * max(factor, _LARGEST_CUT) if error < math.inf else taken * _LARGEST_CUT
         if h < _SMALLEST_STEP:
             return start, h, FAILED
-    factor = min(factor, 1.0 if rejected else _LARGEST_GROWTH)
+    if rejected:
+        factor = min(factor, 1.0)
     h = max(h, taken * factor) if lands else taken * factor
 
     step = Step(start, taken, q, v, a, gaps(w, q, v, d))
