@@ -118,6 +118,17 @@ class EvaluationSession:
         ValueError
             If `x` has the wrong shape or holds NaN.
         """
+        x = self.admit(x)
+        y = np.empty(x.shape[0])
+        for start in range(0, x.shape[0], self.settings.batch_rows):
+            stop = min(start + self.settings.batch_rows, x.shape[0])
+            y[start:stop] = self._batch(x[start:stop])
+            if self.settings.progress is not None:
+                self.settings.progress(self.n_evals, self.expected)
+        return y
+
+    def admit(self, x: FloatArray) -> FloatArray:
+        """Check rows that are to be run, without running them; errors as in `evaluate`."""
         x = np.ascontiguousarray(x, dtype=np.float64)
         if x.ndim != 2 or x.shape[1] != self.dimension:
             raise ValueError(f"X has shape {x.shape}, expected (n, {self.dimension})")
@@ -129,13 +140,7 @@ class EvaluationSession:
                 f"{x.shape[0]} more runs asked for, but only {self.remaining} of "
                 f"max_evals = {self.max_evals} are left"
             )
-        y = np.empty(x.shape[0])
-        for start in range(0, x.shape[0], self.settings.batch_rows):
-            stop = min(start + self.settings.batch_rows, x.shape[0])
-            y[start:stop] = self._batch(x[start:stop])
-            if self.settings.progress is not None:
-                self.settings.progress(self.n_evals, self.expected)
-        return y
+        return x
 
     def _batch(self, x: FloatArray) -> FloatArray:
         y = self._run(x)

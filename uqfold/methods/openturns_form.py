@@ -26,6 +26,7 @@ from uqfold.methods.design_point import (
     common_start,
     verdict,
 )
+from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -277,6 +278,7 @@ def _noting(
 
     def noted(u: Any) -> list[list[float]]:
         try:
+            reclaim_interrupt()
             return function(u)
         except BaseException as error:
             raised.append(error)

@@ -13,6 +13,7 @@ import numpy as np
 
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import SystemEvent
@@ -160,6 +161,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         def margins(u: Any) -> list[list[float]]:
             nonlocal n, failures, open_samples
             try:
+                reclaim_interrupt()
                 low, high = event.margin_bounds(np.array(u), task.evaluate)
             except BaseException as error:
                 # OpenTURNS turns it into a RuntimeError of its own
