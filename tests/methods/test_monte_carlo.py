@@ -64,9 +64,14 @@ def test_a_smaller_budget_is_the_beginning_of_a_larger_one() -> None:
 
 def test_budget_is_spent_in_whole_systems() -> None:
     problem = LinearNormalSystem(units=3).problem()
-    result = MonteCarlo().estimate(problem, criteria(11.0, missions=2), max_evals=100, rng=4)
-    assert result.n_evals == 96
+    question = criteria(11.0, missions=2)
+    result = MonteCarlo(systems=900).estimate(problem, question, max_evals=5000, rng=4)
+    assert result.n_evals == 4998
     assert result[0].status == "budget_exhausted"
+    assert "833 of 900 systems" in result[0].message
+    enough = MonteCarlo().estimate(problem, question, max_evals=5000, rng=4)
+    assert enough.n_evals == 4998
+    assert enough[0].status == "converged"
     none = MonteCarlo().estimate(problem, criteria(11.0, missions=2), max_evals=5, rng=4)
     assert none[0].status == "failed"
     assert "one system costs 6 runs" in none[0].message
@@ -81,6 +86,14 @@ def test_no_failure_gives_an_upper_bound() -> None:
     assert row.ci_low == 0.0
     assert row.ci_high == pytest.approx(1.0 - 0.05 ** (1 / 1000))
     assert "one-sided" in row.ci_kind
+
+
+def test_few_failures_are_doubtful() -> None:
+    problem = LinearNormalSystem().problem()
+    row = MonteCarlo(systems=1000).estimate(problem, criteria(12.8), rng=5)[0]
+    assert 0 < round(row.pf * 1000) < 10
+    assert row.status == "doubtful"
+    assert row.std_error > 0.3 * row.pf
 
 
 def test_target_cov_stops_early_or_says_that_it_was_missed() -> None:

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.comparison.columns import comparison_row, rows_to_frame
 from uqfold.evaluation import Evaluator
+from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.registry import available, build
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criteria, Criterion
+from uqfold.problems.criterion import Criteria
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,7 +79,7 @@ class MethodRun:
 def plan_comparison(
     problem: Problem,
     methods: Methods = None,
-    criteria: Criteria | Criterion | Iterable[Criterion] | None = None,
+    criteria: CriteriaLike = None,
     *,
     max_evals: int | None = None,
     rng: RandomSource = 0,
@@ -87,13 +88,11 @@ def plan_comparison(
     """Check the arguments of a comparison, without running anything; see `compare` for them."""
     if not isinstance(problem, Problem):
         raise TypeError(f"problem = {problem!r} is no Problem: see uqfold.Problem")
-    if max_evals is not None and (int(max_evals) != max_evals or max_evals < 1):
-        raise ValueError(f"max_evals = {max_evals}: give a whole number >= 1, or None")
     return ComparisonPlan(
         problem=problem,
         methods=MappingProxyType(_labelled(methods)),
-        criteria=_asked(problem, criteria),
-        max_evals=None if max_evals is None else int(max_evals),
+        criteria=checked_criteria(problem, criteria),
+        max_evals=checked_budget(max_evals),
         seed=reduced_seed(rng),
         evaluator=Evaluator() if evaluator is None else evaluator,
     )
@@ -148,7 +147,7 @@ def run_comparison(
 def compare(
     problem: Problem,
     methods: Methods = None,
-    criteria: Criteria | Criterion | Iterable[Criterion] | None = None,
+    criteria: CriteriaLike = None,
     *,
     max_evals: int | None = None,
     rng: RandomSource = 0,
@@ -220,19 +219,6 @@ def _both(
             evaluator.progress(n_evals, expected)
 
     return report
-
-
-def _asked(
-    problem: Problem, criteria: Criteria | Criterion | Iterable[Criterion] | None
-) -> Criteria:
-    if criteria is None:
-        if problem.default_criteria is None:
-            raise ValueError(
-                f"no criteria given, and problem {problem.name!r} has no default ones: pass "
-                "uqfold.criteria(threshold=...)"
-            )
-        return problem.default_criteria
-    return Criteria([criteria] if isinstance(criteria, Criterion) else criteria)
 
 
 def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:

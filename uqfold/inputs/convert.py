@@ -1,9 +1,10 @@
 """Bring a distribution of any supported origin into OpenTURNS form.
 
-OpenTURNS distributions pass unchanged. Frozen scipy.stats distributions and chaospy distributions
-of the common families become the OpenTURNS family with the same parameters, checked against the
-original at a few points; any other one-dimensional distribution is wrapped, which is exact but
-slow because each value is a Python call.
+OpenTURNS distributions pass unchanged. Frozen scipy.stats distributions of the common families, and
+chaospy's normal, uniform and lognormal ones, become the OpenTURNS family with the same parameters,
+checked against the original at a few points. Any other one-dimensional distribution is wrapped,
+which is slow because each value is a Python call, and resolves the upper tail only down to
+probabilities of 1e-16.
 """
 
 from __future__ import annotations
@@ -89,6 +90,10 @@ def _from_scipy(frozen: Any) -> Any:
     if not hasattr(frozen.dist, "pdf"):
         raise ValueError(f"scipy.stats.{frozen.dist.name} is discrete: not supported")
     shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
+    if any(np.ndim(parameter) > 0 for parameter in (*shapes, loc, scale)):
+        raise ValueError(
+            f"scipy.stats.{frozen.dist.name} with arrays of parameters: give one distribution each"
+        )
     family = _SCIPY_FAMILIES.get(frozen.dist.name)
     if family is not None:
         candidate = family(ot, [float(s) for s in shapes], float(loc), float(scale))
@@ -107,13 +112,13 @@ def _from_chaospy(distribution: Any) -> Any:
                 "OpenTURNS copula instead"
             )
         return ot.JointDistribution([_from_chaospy(part) for part in distribution])
-    if type(distribution).__name__ in {"Normal", "Uniform"}:
+    if distribution.interpret_as_integer:
+        raise ValueError(f"{distribution} is discrete: not supported")
+    family = _CHAOSPY_FAMILIES.get(type(distribution).__name__)
+    if family is not None:
         lower, median = (float(np.ravel(distribution.inv(q))[0]) for q in (0.25, 0.5))
-        if type(distribution).__name__ == "Normal":
-            candidate = ot.Normal(median, (median - lower) / 0.6744897501960817)
-        else:
-            candidate = ot.Uniform(median - 2 * (median - lower), median + 2 * (median - lower))
-        if _agrees(candidate, distribution.inv, distribution.cdf):
+        candidate = family(ot, lower, median)
+        if candidate is not None and _agrees(candidate, distribution.inv, distribution.cdf):
             return candidate
     return ot.Distribution(ot.ChaospyDistribution(distribution))
 
@@ -127,6 +132,17 @@ def _agrees(candidate: Any, ppf: Callable[[float], Any], cdf: Callable[[float], 
             return False
     return True
 
+
+_QUARTILE = 0.6744897501960817  # of the standard normal distribution
+
+# name -> (openturns module, lower quartile, median) -> distribution
+_CHAOSPY_FAMILIES: dict[str, Callable[[Any, float, float], Any]] = {
+    "Normal": lambda ot, lower, median: ot.Normal(median, (median - lower) / _QUARTILE),
+    "Uniform": lambda ot, lower, median: ot.Uniform(2 * lower - median, 3 * median - 2 * lower),
+    "LogNormal": lambda ot, lower, median: (
+        ot.LogNormal(math.log(median), math.log(median / lower) / _QUARTILE) if lower > 0 else None
+    ),
+}
 
 # name -> (openturns module, shape parameters, loc, scale) -> distribution
 _SCIPY_FAMILIES: dict[str, Callable[[Any, list[float], float, float], Any]] = {

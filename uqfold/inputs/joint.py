@@ -11,6 +11,7 @@ Rosenblatt M. Remarks on a multivariate transformation. Ann. Math. Statist. 23 (
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,9 +20,11 @@ from typing import Any
 import numpy as np
 
 from uqfold.inputs.convert import as_openturns
+from uqfold.inputs.gauss import gauss_rule
 from uqfold.typing import FloatArray
 
-MAX_GAUSS_NODES = 64
+_DEFAULT_NAME = re.compile(r"X\d+")
+"""What OpenTURNS calls the components of a distribution that nobody named."""
 
 
 def normal(mean: float, std: float) -> Any:
@@ -149,35 +152,14 @@ class JointInputs:
         Raises
         ------
         ValueError
-            If `n` is out of range, or the marginal has no such rule (moments missing).
+            If `n` is out of range, or the marginal has no such rule (moments missing, or beyond
+            double precision).
         """
         return gauss_rule(self.marginals[column], n)
 
     def __repr__(self) -> str:
         shared = ", ".join(self.shared_names) or "none"
         return f"JointInputs(shared: {shared}; individual: {', '.join(self.individual_names)})"
-
-
-def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss rule for one OpenTURNS marginal; see `JointInputs.gauss_rule`."""
-    if not 1 <= n <= MAX_GAUSS_NODES:
-        raise ValueError(f"{n} quadrature nodes: give 1 to {MAX_GAUSS_NODES}")
-    import openturns as ot
-
-    product = ot.GaussProductExperiment(ot.JointDistribution([marginal]), [n])
-    try:
-        points, weights = product.generateWithWeights()
-    except RuntimeError as error:
-        raise ValueError(f"no Gauss rule with {n} nodes for {marginal}: {error}") from error
-    nodes = np.array(points, dtype=np.float64).ravel()
-    w = np.array(weights, dtype=np.float64)
-    order = np.argsort(nodes)
-    if not (np.all(np.isfinite(nodes)) and np.all(w > 0) and abs(w.sum() - 1.0) < 1e-9):
-        raise ValueError(
-            f"the Gauss rule with {n} nodes for {marginal} is not usable (its moments may not "
-            "exist): use fewer nodes or another marginal"
-        )
-    return nodes[order], w[order] / w.sum()
 
 
 def product_inputs(
@@ -191,6 +173,11 @@ def product_inputs(
         Distributions in any form `as_openturns` takes; at least one of them is not None.
     names
         Names of all inputs, shared first; by default those of the distributions.
+
+    Raises
+    ------
+    ValueError
+        If there is no input at all, or a name occurs twice.
     """
     import openturns as ot
 
@@ -225,7 +212,7 @@ def joint_inputs(
     Raises
     ------
     ValueError
-        If a shared name is not among the inputs.
+        If a shared name is not among the inputs, or a name occurs twice.
     """
     distribution = as_openturns(inputs)
     given = _resolve_names(names, [str(name) for name in distribution.getDescription()])
@@ -246,6 +233,10 @@ def _resolve_names(given: Sequence[str] | None, own: list[str]) -> tuple[str, ..
         if len(given) != len(own):
             raise ValueError(f"{len(given)} names for {len(own)} inputs: {list(given)}")
         return tuple(given)
-    if len(set(own)) == len(own):
+    twice = [name for name in own if own.count(name) > 1]
+    if not twice:
         return tuple(own)
+    given_by_hand = [name for name in twice if not _DEFAULT_NAME.fullmatch(name)]
+    if given_by_hand:
+        raise ValueError(f"input {given_by_hand[0]!r} is named twice: {own}")
     return tuple(f"x{i + 1}" for i in range(len(own)))

@@ -9,16 +9,16 @@ from __future__ import annotations
 import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, final
 
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, EvaluationSession, Evaluator, FailedRunError
+from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
 from uqfold.methods.result import (
     NO_ANSWER,
-    CriterionResult,
     Estimate,
     ReliabilityResult,
     RunCost,
@@ -28,7 +28,7 @@ from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, Model
 
 
 @dataclass(frozen=True)
@@ -80,6 +80,25 @@ class Solution:
 
 
 @dataclass(frozen=True)
+class OpenRun:
+    """An estimate under way.
+
+    Attributes
+    ----------
+    asked
+        All criteria of the caller.
+    reasons
+        For each of them why the method cannot answer it, or None.
+    task
+        What the hook gets: the criteria that it can answer.
+    """
+
+    asked: Criteria
+    reasons: tuple[str | None, ...]
+    task: Task
+
+
+@dataclass(frozen=True)
 class ReliabilityMethod(ABC):
     """A reliability method: settings, and the one verb `estimate`.
 
@@ -120,7 +139,7 @@ class ReliabilityMethod(ABC):
     def estimate(
         self,
         problem: Problem,
-        criteria: Criteria | Criterion | Iterable[Criterion] | None = None,
+        criteria: CriteriaLike = None,
         *,
         max_evals: int | None = None,
         rng: RandomSource = None,
@@ -155,59 +174,82 @@ class ReliabilityMethod(ABC):
         FailedRunError
             Only under the policy ``raise`` for failed runs.
         """
-        asked = _as_criteria(problem, criteria)
-        if max_evals is not None and (int(max_evals) != max_evals or max_evals < 1):
-            raise ValueError(f"max_evals = {max_evals}: give a whole number >= 1, or None")
-        seed = reduced_seed(rng)
-        settings = Evaluator() if evaluator is None else evaluator
-        session = settings.session(
-            problem.model, problem.inputs.dimension, None if max_evals is None else int(max_evals)
-        )
         started = time.perf_counter()
-        reasons = [self.supports(problem, criterion) for criterion in asked]
-        supported = [i for i, reason in enumerate(reasons) if reason is None]
-        estimates = [Estimate.without_answer("unsupported", reason or "") for reason in reasons]
-        details = None
-        if supported:
-            task = Task(problem, tuple(asked[i] for i in supported), seed, session)
-            solution = self._guarded(task, raising=settings.failed_runs == "raise")
-            details = solution.details
-            for i, estimate in zip(supported, solution.estimates, strict=True):
-                estimates[i] = self._checked(estimate, session)
+        settings = Evaluator() if evaluator is None else evaluator
+        run = self._opened(problem, criteria, max_evals, rng, settings)
+        solution = self._guarded(run.task, lambda: self._solve(run.task))
+        return self._finished(run, solution, time.perf_counter() - started)
+
+    def _opened(
+        self,
+        problem: Problem,
+        criteria: CriteriaLike,
+        max_evals: int | None,
+        rng: RandomSource,
+        settings: Evaluator,
+        model: Model | None = None,
+    ) -> OpenRun:
+        """Check the arguments of `estimate`; `model` stands in for the problem's own."""
+        asked = checked_criteria(problem, criteria)
+        budget = checked_budget(max_evals)
+        seed = reduced_seed(rng)
+        session = settings.session(
+            problem.model if model is None else model,
+            problem.inputs.dimension,
+            budget,
+        )
+        reasons = tuple(self.supports(problem, criterion) for criterion in asked)
+        supported = tuple(c for c, reason in zip(asked, reasons, strict=True) if reason is None)
+        return OpenRun(asked, reasons, Task(problem, supported, seed, session))
+
+    def _finished(self, run: OpenRun, solution: Solution, seconds: float) -> ReliabilityResult:
+        """Join the answers of the hook with the unsupported criteria, and with the cost."""
+        session = run.task.session
+        answers = iter(solution.estimates)
+        estimates = [
+            self._checked(next(answers), session)
+            if reason is None
+            else Estimate.without_answer("unsupported", reason)
+            for reason in run.reasons
+        ]
         cost = RunCost(
             n_evals=session.n_evals,
             n_reused=0,
             n_failed=session.n_failed,
-            seconds=time.perf_counter() - started,
+            seconds=seconds,
             method=self.name,
-            seed=seed,
+            seed=run.task.seed,
         )
-        rows: list[CriterionResult] = [
+        rows = tuple(
             finished_row(criterion, estimate, cost)
-            for criterion, estimate in zip(asked, estimates, strict=True)
-        ]
-        return ReliabilityResult(tuple(asked), tuple(rows), details)
+            for criterion, estimate in zip(run.asked, estimates, strict=True)
+        )
+        return ReliabilityResult(tuple(run.asked), rows, solution.details)
 
-    def _guarded(self, task: Task, *, raising: bool) -> Solution:
+    def _guarded(self, task: Task, solve: Callable[[], Solution]) -> Solution:
         """Run the hook; whatever it raises becomes the status of every criterion."""
+        if not task.criteria:
+            return Solution([])
         try:
-            solution = self._solve(task)
+            solution = solve()
             if len(solution.estimates) != len(task.criteria):
                 raise ValueError(
                     f"{self.name} gave {len(solution.estimates)} answers to "
                     f"{len(task.criteria)} criteria"
                 )
-        except FailedRunError as error:
-            if raising:
-                raise
-            return self._all_failed(task, str(error))
-        except BudgetExceededError as error:
-            return self._all_failed(task, f"out of budget before an answer: {error}")
         except Exception as error:
-            return self._all_failed(task, f"{type(error).__name__}: {error}")
+            return self._failed(task, error)
         return solution
 
-    def _all_failed(self, task: Task, message: str) -> Solution:
+    def _failed(self, task: Task, error: Exception) -> Solution:
+        """Turn an exception of the hook into a status, or raise it under the policy ``raise``."""
+        message = f"{type(error).__name__}: {error}"
+        if isinstance(error, FailedRunError):
+            if task.session.settings.failed_runs == "raise":
+                raise error
+            message = str(error)
+        elif isinstance(error, BudgetExceededError):
+            message = f"out of budget before an answer: {error}"
         return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
 
     def _checked(self, estimate: Estimate, session: EvaluationSession) -> Estimate:
@@ -246,18 +288,3 @@ def attempt(answer: Callable[[], Estimate]) -> Estimate:
         return Estimate.without_answer("failed", f"out of budget before an answer: {error}")
     except Exception as error:
         return Estimate.without_answer("failed", f"{type(error).__name__}: {error}")
-
-
-def _as_criteria(
-    problem: Problem, criteria: Criteria | Criterion | Iterable[Criterion] | None
-) -> Criteria:
-    if criteria is None:
-        if problem.default_criteria is None:
-            raise ValueError(
-                f"no criteria given, and problem {problem.name!r} has no default ones: pass "
-                "uqfold.criteria(threshold=...)"
-            )
-        return problem.default_criteria
-    if isinstance(criteria, Criterion):
-        return Criteria([criteria])
-    return criteria if isinstance(criteria, Criteria) else Criteria(criteria)

@@ -16,7 +16,7 @@ import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs, normal
-from uqfold.inputs.joint import MAX_GAUSS_NODES, gauss_rule
+from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
 from uqfold.methods.base import Task, attempt
 from uqfold.methods.result import Estimate
 from uqfold.moments.conditional import ConditionalDistribution

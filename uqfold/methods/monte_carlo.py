@@ -18,6 +18,10 @@ from uqfold.typing import BoolArray, FloatArray, IntArray
 
 BLOCK_SYSTEMS = 4096
 """Systems drawn from one random stream; part of the meaning of a seed."""
+WITHOUT_A_BUDGET = 100_000
+"""Systems to simulate when neither a number nor a budget is given."""
+FEW = 10
+"""Fewer failures than this (or systems that work) leave pf uncertain by a third or more."""
 LEVEL = 0.95
 
 
@@ -53,7 +57,8 @@ class MonteCarlo(ReliabilityMethod):
     ----------
     systems
         Systems to simulate; `max_evals` may allow fewer, then the status is
-        ``budget_exhausted``. One system costs n units times the most missions of the grid.
+        ``budget_exhausted``. None: as many as `max_evals` pays for, 100,000 without a budget.
+        One system costs n units times the most missions of the grid.
     target_cov
         Stop early once the coefficient of variation of every criterion is at most this; None:
         never.
@@ -65,6 +70,7 @@ class MonteCarlo(ReliabilityMethod):
 
     Notes
     -----
+    The status is ``doubtful`` with fewer than ten failures, or fewer than ten systems that work.
     The interval is that of Clopper and Pearson (Biometrika 26 (1934) 404-413) at 95 %; without a
     failure it is the one-sided upper bound. With `target_cov` the stopping time depends on the
     failures, so the interval is then approximate.
@@ -74,12 +80,12 @@ class MonteCarlo(ReliabilityMethod):
     title: ClassVar[str] = "Monte Carlo"
     bounds_failed_runs: ClassVar[bool] = True
 
-    systems: int = 100_000
+    systems: int | None = None
     target_cov: float | None = None
 
     def __post_init__(self) -> None:
-        if self.systems < 1:
-            raise ValueError(f"systems = {self.systems}: simulate at least one")
+        if self.systems is not None and (int(self.systems) != self.systems or self.systems < 1):
+            raise ValueError(f"systems = {self.systems}: simulate at least one, or None")
         if self.target_cov is not None and not self.target_cov > 0.0:
             raise ValueError(f"target_cov = {self.target_cov}: give a positive number or None")
 
@@ -92,7 +98,10 @@ class MonteCarlo(ReliabilityMethod):
         missions = max(c.max_missions for c in task.criteria)
         per_system = task.problem.n_units * missions
         affordable = task.session.remaining // per_system
-        planned = min(self.systems, affordable)
+        wanted = self.systems
+        if wanted is None:
+            wanted = WITHOUT_A_BUDGET if task.max_evals is None else affordable
+        planned = min(wanted, affordable)
         if planned == 0:
             message = (
                 f"one system costs {per_system} runs, max_evals = {task.max_evals} allows none"
@@ -105,11 +114,11 @@ class MonteCarlo(ReliabilityMethod):
             counts.add(size, *_simulate(task, missions, block, size))
             if self.target_cov is not None and counts.worst_cov() <= self.target_cov:
                 break
-        cut = planned < self.systems and counts.systems == planned
-        estimates = [self._estimate(counts, i, cut=cut) for i in range(len(task.criteria))]
+        missing = wanted - counts.systems if counts.systems == planned else 0
+        estimates = [self._estimate(counts, i, missing) for i in range(len(task.criteria))]
         return Solution(estimates, counts.details())
 
-    def _estimate(self, counts: _Counts, i: int, *, cut: bool) -> Estimate:
+    def _estimate(self, counts: _Counts, i: int, missing: int) -> Estimate:
         n, high, low = counts.systems, int(counts.high[i]), int(counts.low[i])
         pf = high / n
         ci_low, ci_high = clopper_pearson(low, n, LEVEL)[0], clopper_pearson(high, n, LEVEL)[1]
@@ -118,13 +127,16 @@ class MonteCarlo(ReliabilityMethod):
         if self.target_cov is not None and counts.cov(i) > self.target_cov:
             status = "budget_exhausted"
             messages.append(f"{n} systems, coefficient of variation above {self.target_cov:g}")
-        elif cut:
+        elif missing > 0:
             status = "budget_exhausted"
-            messages.append(f"{n} of {self.systems} systems")
+            messages.append(f"{n} of {n + missing} systems")
         bound = high in (0, n)
         if bound:
             status = "doubtful"
             messages.append(f"{'no' if high == 0 else 'only'} failures among {n} systems")
+        elif min(high, n - high) < FEW:
+            status = "doubtful"
+            messages.append(f"{high} failures among {n} systems")
         return Estimate(
             pf=pf,
             reliability=(n - high) / n,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -205,7 +205,8 @@ class _Negated:
 def _names_of_shared(shared: Any) -> Sequence[str]:
     if shared is None:
         return ()
-    if isinstance(shared, str) or not all(isinstance(name, str) for name in shared):
+    listed = isinstance(shared, Iterable) and not isinstance(shared, str | Mapping)
+    if not listed or not all(isinstance(name, str) for name in shared):
         raise TypeError(f"with inputs=, shared= is a list of input names, not {shared!r}")
     return list(shared)
 

@@ -24,8 +24,8 @@ class Binomial:
     p: float
 
     def __post_init__(self) -> None:
-        if int(self.planned) != self.planned or self.planned < 1:
-            raise ValueError(f"Binomial(planned={self.planned}): give a whole number >= 1")
+        if not _is_count(self.planned):
+            raise ValueError(f"Binomial(planned={self.planned!r}): give a whole number >= 1")
         if not 0.0 <= self.p <= 1.0:
             raise ValueError(f"Binomial(p={self.p}): a probability lies in [0, 1]")
         object.__setattr__(self, "planned", int(self.planned))
@@ -71,10 +71,10 @@ class Criterion:
             if math.isnan(float(self.tau)) or float(self.tau) < 0.0:
                 raise ValueError(f"tau = {self.tau}: give a number >= 0, or None")
         if not isinstance(self.missions, Binomial):
-            if isinstance(self.missions, bool) or int(self.missions) != self.missions:
-                raise ValueError(f"missions = {self.missions!r}: a whole number or Binomial")
-            if self.missions < 1:
-                raise ValueError(f"missions = {self.missions}: give at least 1")
+            if not _is_count(self.missions):
+                raise ValueError(
+                    f"missions = {self.missions!r}: give a whole number >= 1, or a Binomial"
+                )
             object.__setattr__(self, "missions", int(self.missions))
 
     @property
@@ -162,6 +162,14 @@ def criteria(
     return Criteria(Criterion(t, s, m) for s in taus for m in profiles for t in thresholds)
 
 
+def _is_count(value: object) -> bool:
+    """Whether a value is a whole number >= 1, of whatever numeric type."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    number = float(value)
+    return number.is_integer() and number >= 1.0
+
+
 def _listed(value: Any) -> list[Any]:
-    one = value is None or isinstance(value, Binomial) or np.ndim(value) == 0
-    return [value] if one else list(value)
+    scalar = isinstance(value, str) or (isinstance(value, np.ndarray) and value.ndim == 0)
+    return list(value) if isinstance(value, Iterable) and not scalar else [value]

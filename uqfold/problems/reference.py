@@ -88,17 +88,20 @@ def parse_references(document: Mapping[str, Any]) -> ReferenceTable:
     Raises
     ------
     ValueError
-        If the schema differs, a field is missing, or a value is no probability.
+        If the schema differs, a field is missing, a value is no probability, or two rows answer
+        the same criterion.
     """
     if document.get("schema") != SCHEMA:
         raise ValueError(f"schema {document.get('schema')!r} is not {SCHEMA!r}")
     try:
-        entries = {}
+        entries: dict[Criterion, Reference] = {}
         for row in document["rows"]:
             criterion = Criterion(row["threshold"], row["tau"], _missions(row["missions"]))
             pf, error = float(row["pf"]), float(row["std_error"])
             if not (0.0 <= pf <= 1.0 and error >= 0.0 and math.isfinite(error)):
                 raise ValueError(f"reference for {criterion}: pf = {pf}, std_error = {error}")
+            if criterion in entries:
+                raise ValueError(f"two references for {criterion}")
             entries[criterion] = Reference(criterion, pf, error)
         return ReferenceTable(
             problem=str(document["problem"]),
@@ -109,9 +112,9 @@ def parse_references(document: Mapping[str, Any]) -> ReferenceTable:
         )
     except KeyError as error:
         raise ValueError(f"reference document lacks the field {error}") from error
+    except TypeError as error:
+        raise ValueError(f"reference document holds a value of the wrong type: {error}") from error
 
 
 def _missions(value: int | Mapping[str, Any]) -> Missions:
-    if isinstance(value, Mapping):
-        return Binomial(int(value["planned"]), float(value["p"]))
-    return int(value)
+    return Binomial(value["planned"], value["p"]) if isinstance(value, Mapping) else value

@@ -1,0 +1,298 @@
+"""Ask and tell: the answer of `estimate`, whoever runs the model, also after an interruption."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from uqfold.evaluation import Evaluator, FailedRunError
+from uqfold.methods import Estimate, ReliabilityResult, Solution, Task
+from uqfold.methods.ask_tell import AskTellSession, SequentialMethod, Steps
+from uqfold.methods.session_file import SCHEMA, SessionFileError
+from uqfold.problems import Problem
+from uqfold.problems.base import Unit
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.testing import LinearNormalSystem
+from uqfold.testing.conduct import same_numbers
+from uqfold.typing import FloatArray
+
+SYSTEM = LinearNormalSystem()
+ASKED = criteria([10.0, 11.0], tau=[None, 2.0], missions=[1, Binomial(3, 0.6)])
+
+
+@dataclass(frozen=True)
+class Walk(SequentialMethod):
+    """Each batch depends on the responses before it, so that no step may be lost or changed."""
+
+    name: ClassVar[str] = "walk"
+    bounds_failed_runs: ClassVar[bool] = True
+    batches: int = 4
+    rows: int = 3
+
+    @property
+    def stochastic(self) -> bool:
+        return True
+
+    def _steps(self, task: Task) -> Steps:
+        rng = task.generator()
+        centre, seen = np.zeros(3), []
+        for _ in range(self.batches):
+            y = yield task.problem.inputs.from_standard_normal(
+                centre + rng.standard_normal((self.rows, 3))
+            )
+            centre = centre + 0.1 * np.nan_to_num(np.resize(y, 3), posinf=1.0)
+            seen.append(y)
+        y = np.concatenate(seen)
+        late = float(np.mean(~(y <= 11.0)))
+        answer = Estimate(
+            late, pf_low=float(np.mean(y > 11.0)), pf_high=late, message=f"{np.nansum(y)!r}"
+        )
+        return Solution([answer] * len(task.criteria), details="walked")
+
+
+@dataclass(frozen=True)
+class Breaks(SequentialMethod):
+    name: ClassVar[str] = "breaks"
+
+    def _steps(self, task: Task) -> Steps:
+        yield np.zeros((2, 3))
+        raise ArithmeticError("no root")
+
+
+def unreachable(x: FloatArray) -> FloatArray:
+    raise AssertionError("ask and tell must not run the problem's own model")
+
+
+def outside(model: object = unreachable, **options: object) -> Problem:
+    inputs = SYSTEM.problem().inputs.distribution
+    return Problem(model, inputs=inputs, shared=["V"], name="outside", **options)  # type: ignore[arg-type]
+
+
+def finished(session: AskTellSession, model: object = SYSTEM.response) -> ReliabilityResult:
+    while not session.done:
+        x = session.ask()
+        session.tell(x, model(x))  # type: ignore[operator]
+    return session.result()
+
+
+def test_told_responses_give_the_answer_of_estimate() -> None:
+    result = finished(Walk().start(outside(), ASKED, rng=5, max_evals=12))
+    expected = Walk().estimate(outside(SYSTEM.response), ASKED, rng=5, max_evals=12)
+    assert same_numbers(result, expected)
+    assert (result.n_evals, result.seed, result.details) == (12, 5, "walked")
+    # and the comparison can fail
+    assert not same_numbers(result, Walk().estimate(outside(SYSTEM.response), ASKED, rng=6))
+
+
+def with_failures(x: FloatArray) -> FloatArray:
+    y = SYSTEM.response(x)
+    y[x[:, 2] > 0.3] = np.nan
+    y[x[:, 1] > 1.2] = np.inf
+    return y
+
+
+@pytest.mark.parametrize("policy", ["bound", "count-as-failure"])
+def test_failed_runs_are_counted_as_in_estimate(policy: str) -> None:
+    evaluator = Evaluator(policy)  # type: ignore[arg-type]
+    session = Walk().start(outside(), ASKED, rng=5, evaluator=evaluator)
+    result = finished(session, with_failures)
+    expected = Walk().estimate(outside(with_failures), ASKED, rng=5, evaluator=evaluator)
+    assert same_numbers(result, expected)
+    assert result.n_failed > 0
+
+
+def test_policy_raise_raises_and_stays_raised() -> None:
+    session = Walk().start(outside(), ASKED, rng=5, evaluator=Evaluator("raise"))
+    x = session.ask()
+    with pytest.raises(FailedRunError, match="NaN"):
+        session.tell(x, np.full(len(x), np.nan))
+    assert session.done
+    with pytest.raises(FailedRunError, match="NaN"):
+        session.result()
+
+
+def test_budget_ends_the_session_as_it_ends_estimate() -> None:
+    result = finished(Walk().start(outside(), ASKED, rng=5, max_evals=7))
+    expected = Walk().estimate(outside(SYSTEM.response), ASKED, rng=5, max_evals=7)
+    assert same_numbers(result, expected)
+    assert "out of budget" in result[0].message
+    assert result.n_evals == 6
+
+
+def test_exceptions_of_the_method_become_a_status() -> None:
+    result = finished(Breaks().start(outside(), ASKED))
+    assert result[0].message == "ArithmeticError: no root"
+    assert same_numbers(
+        finished(Breaks().start(outside(), ASKED, rng=1)),
+        Breaks().estimate(outside(SYSTEM.response), ASKED, rng=1),
+    )
+
+
+def test_what_is_unsupported_is_done_at_once() -> None:
+    session = Walk().start(outside(units=[Unit(offset=0.1), Unit()]), ASKED)
+    assert session.done
+    assert {row.status for row in session.result()} == {"unsupported"}
+
+
+def test_responses_may_come_in_parts_and_in_any_order() -> None:
+    session = Walk(rows=5).start(outside(), ASKED, rng=5)
+    while not session.done:
+        x = session.ask()
+        before = session.n_evals
+        session.tell(x[[3, 1]], SYSTEM.response(x[[3, 1]]))
+        assert session.n_evals == before + 2
+        np.testing.assert_array_equal(session.ask(), x[[0, 2, 4]])
+        rest = session.ask()[::-1]
+        session.tell(rest, SYSTEM.response(rest))
+    expected = Walk(rows=5).estimate(outside(SYSTEM.response), ASKED, rng=5)
+    assert same_numbers(session.result(), expected)
+
+
+def test_equal_rows_each_want_their_response() -> None:
+    session = Breaks().start(outside(), ASKED)
+    x = session.ask()
+    session.tell(x[:1], [1.0])
+    assert len(session.ask()) == 1
+    with pytest.raises(ValueError, match="was not asked for"):
+        session.tell(x, [1.0, 2.0])
+    assert len(session.ask()) == 1
+    session.tell(x[:1], [2.0])
+    assert session.done
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "match"),
+    [
+        (np.zeros((3, 2)), np.zeros(3), "expected"),
+        (np.zeros((3, 3)), np.zeros(2), "expected"),
+        (np.zeros((1, 3)), np.zeros(1), "was not asked for"),
+    ],
+)
+def test_responses_to_other_rows_are_refused(x: FloatArray, y: FloatArray, match: str) -> None:
+    session = Walk().start(outside(), ASKED, rng=5)
+    with pytest.raises(ValueError, match=match):
+        session.tell(x, y)
+    assert same_numbers(finished(session), Walk().estimate(outside(SYSTEM.response), ASKED, rng=5))
+
+
+def test_order_of_calls_is_held() -> None:
+    session = Walk(batches=1).start(outside(), ASKED, rng=5)
+    with pytest.raises(RuntimeError, match="3 responses are still wanted"):
+        session.result()
+    x = session.ask()
+    x[:] = 7.0
+    assert not np.any(session.ask() == 7.0), "the caller's array must not reach the session"
+    finished(session)
+    with pytest.raises(RuntimeError, match="call result"):
+        session.ask()
+    with pytest.raises(RuntimeError, match="takes no more"):
+        session.tell(x, np.zeros(3))
+
+
+@pytest.mark.parametrize("told", [0, 2, 3, 7, 12])
+def test_resumed_session_goes_on_exactly(told: int, tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    session = Walk().start(outside(), ASKED, rng=5, max_evals=50)
+    for _ in range(told):
+        x = session.ask()[:1]
+        session.tell(x, with_failures(x))
+    session.save(path)
+    resumed = Walk().resume(path, outside(), ASKED)
+    assert (resumed.n_evals, resumed.seed, resumed.done) == (told, 5, session.done)
+    if not session.done:
+        np.testing.assert_array_equal(resumed.ask(), session.ask())
+    expected = Walk().estimate(outside(with_failures), ASKED, rng=5, max_evals=50)
+    assert same_numbers(finished(resumed, with_failures), expected)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["walk.npz"]
+
+
+@pytest.mark.parametrize(
+    ("word", "change"),
+    [
+        ("method", {"method": Walk(batches=5)}),
+        ("version", {"problem": outside(version="2")}),
+        ("seed", {"rng": 6}),
+        ("max_evals", {"max_evals": 49}),
+        ("criteria", {"criteria": criteria([10.0, 11.5])}),
+        ("failed_runs", {"evaluator": Evaluator("count-as-failure")}),
+        ("units", {"problem": outside(units=2)}),
+    ],
+)
+def test_another_run_is_refused(word: str, change: dict[str, object], tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    Walk().start(outside(), ASKED, rng=5, max_evals=50).save(path)
+    arguments = {"method": Walk(), "problem": outside(), "criteria": ASKED, **change}
+    method, problem, asked = (arguments.pop(key) for key in ("method", "problem", "criteria"))
+    with pytest.raises(SessionFileError, match=f"belongs to another run: its {word} is"):
+        method.resume(path, problem, asked, **arguments)  # type: ignore[attr-defined]
+
+
+def test_other_inputs_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    Walk().start(outside(), ASKED, rng=5).save(path)
+    inputs = SYSTEM.problem().inputs.distribution
+    import openturns as ot
+
+    wider = ot.JointDistribution(
+        [ot.Normal(0.0, 1.0 + 1e-6), *(inputs.getMarginal(i) for i in (1, 2))]
+    )
+    wider.setDescription(inputs.getDescription())
+    problem = Problem(unreachable, inputs=wider, shared=["V"], name="outside")
+    with pytest.raises(SessionFileError, match="its distribution is"):
+        Walk().resume(path, problem, ASKED)
+
+
+def test_rows_of_another_stream_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    session = Walk().start(outside(), ASKED, rng=5)
+    x = session.ask()
+    session.tell(x, SYSTEM.response(x))
+    session.save(path)
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    arrays["x"] = arrays["x"] + 1e-3
+    np.savez(path, **arrays)
+    with pytest.raises(SessionFileError, match="asks for other rows"):
+        Walk().resume(path, outside(), ASKED)
+
+
+def test_damaged_and_foreign_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    session = Walk().start(outside(), ASKED, rng=5)
+    x = session.ask()
+    session.tell(x, SYSTEM.response(x))
+    session.save(path)
+    whole = path.read_bytes()
+    with np.load(path) as archive:
+        head = dict(archive)
+    for damage in (
+        b"",
+        b"not a session",
+        whole[: len(whole) // 2],
+        whole[:300] + b"\0" * 40 + whole[340:],
+    ):
+        path.write_bytes(damage)
+        with pytest.raises(SessionFileError, match="damaged"):
+            Walk().resume(path, outside(), ASKED)
+    np.savez(path, **{**head, "y": head["y"][:-1]})
+    with pytest.raises(SessionFileError, match="do not fit together"):
+        Walk().resume(path, outside(), ASKED)
+    np.savez(path, **{**head, "header": np.array(json.dumps({"schema": "other/1"}))})
+    with pytest.raises(SessionFileError, match=SCHEMA):
+        Walk().resume(path, outside(), ASKED)
+    np.savez(path, **{**head, "x": np.array([{"a": 1}], dtype=object)})
+    with pytest.raises(SessionFileError, match="damaged"):
+        Walk().resume(path, outside(), ASKED)
+    with pytest.raises(FileNotFoundError):
+        Walk().resume(tmp_path / "none.npz", outside(), ASKED)
+
+
+def test_time_of_the_model_is_not_counted() -> None:
+    session = Walk(batches=1).start(outside(), Criterion(10.0), rng=5)
+    result = finished(session)
+    assert 0.0 < result.seconds < 1.0
+    assert math.isfinite(result[0].pf)

@@ -1,0 +1,209 @@
+"""Gauss quadrature rules that fit any continuous marginal distribution.
+
+Normal, uniform, exponential, gamma and beta marginals have classical rules, which OpenTURNS knows.
+For the others its rules lose the tails (its adaptive integration cuts the support), so they are
+made here. The marginal becomes a fine discrete measure: a composite Gauss-Legendre rule, over the
+standard-normal variable in the body, split where OpenTURNS knows the density to have kinks, and
+over the density itself in the tails, where quantiles run out of digits. The Lanczos process then
+gives the recurrence of its orthonormal polynomials.
+
+References
+----------
+Gautschi W. Orthogonal Polynomials: Computation and Approximation. Oxford University Press, 2004,
+sections 2.2 and 3.1.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uqfold.typing import FloatArray
+
+MAX_GAUSS_NODES = 64
+"""Most nodes of a rule."""
+
+_CLASSICAL = frozenset({"Normal", "Uniform", "Exponential", "Gamma", "Beta"})
+
+_REACH = 6.0  # the body: beyond it, probabilities of 1e-9, the density takes over from quantiles
+_PANEL = 0.5
+_PANEL_NODES = 20
+_TAIL_PANELS = 130  # each half an e-fold: until the density vanishes, at most 1e28 scales out
+
+# Largest share of the highest moment in the outermost panel (a moment that does not exist has a
+# percent there), and largest departures of the measure and of the finished rule from norm one
+_TAIL_SHARE = 1e-6
+_MASS_ERROR = 1e-8
+_DEPARTURE = 1e-10
+
+
+def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss quadrature rule of a distribution: exact for polynomials of degree 2 n - 1.
+
+    Parameters
+    ----------
+    marginal
+        Continuous univariate OpenTURNS distribution.
+    n
+        Number of nodes, 1 to 64.
+
+    Returns
+    -------
+    tuple[FloatArray, FloatArray]
+        Nodes (n,), increasing, and weights (n,) that sum to one.
+
+    Raises
+    ------
+    ValueError
+        If `n` is out of range, or the rule does not exist (moments up to order 2 n - 1 missing)
+        or is beyond double precision.
+    """
+    if int(n) != n or not 1 <= n <= MAX_GAUSS_NODES:
+        raise ValueError(f"{n} quadrature nodes: give a whole number from 1 to {MAX_GAUSS_NODES}")
+    if _family(marginal) in _CLASSICAL:
+        nodes, weights = _classical_rule(marginal, int(n))
+    else:
+        rule = _rule_of_measure(_discrete_measure(marginal), int(n))
+        if rule is None:
+            raise ValueError(
+                f"no Gauss rule with {n} nodes for {marginal}: its moments up to order "
+                f"{2 * n - 1} may not exist, or exceed double precision; use fewer nodes"
+            )
+        nodes, weights = rule
+    return nodes, weights / weights.sum()
+
+
+def _family(marginal: Any) -> str:
+    """Class of the implementation behind OpenTURNS' interface object; empty if it has none."""
+    own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
+    return str(own.getClassName()) if hasattr(own, "getClassName") else ""
+
+
+def _classical_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
+    import openturns as ot
+
+    product = ot.GaussProductExperiment(ot.JointDistribution([marginal]), [n])
+    points, weights = product.generateWithWeights()
+    nodes = np.array(points, dtype=np.float64).ravel()
+    order = np.argsort(nodes)
+    return nodes[order], np.array(weights, dtype=np.float64)[order]
+
+
+class _Measure(NamedTuple):
+    """A discrete measure in place of a marginal.
+
+    Attributes
+    ----------
+    points, probabilities
+        Points (k,), increasing, and their probabilities (k,).
+    open_low, open_high
+        Whether the marginal has no bound on that side.
+    """
+
+    points: FloatArray
+    probabilities: FloatArray
+    open_low: bool
+    open_high: bool
+
+
+def _discrete_measure(marginal: Any) -> _Measure:
+    import openturns as ot
+    from scipy.special import ndtri
+
+    levels = np.array([marginal.computeCDF(float(kink)) for kink in marginal.getSingularities()])
+    kinks = ndtri(levels[(levels > 0.0) & (levels < 1.0)])
+    edges = np.arange(-_REACH, _REACH + 0.5 * _PANEL, _PANEL)
+    edges = np.unique(np.concatenate([edges, kinks[np.abs(kinks) < _REACH]]))
+    quantile = ot.MarginalTransformationEvaluation([ot.Normal()], [marginal])
+    u, du = _panels(edges)
+    body = _values(quantile, u), du * np.exp(-0.5 * u * u) / np.sqrt(2.0 * np.pi)
+    first, second, last_but_one, last = _values(
+        quantile, np.array([-_REACH, -_REACH + _PANEL, _REACH - _PANEL, _REACH])
+    )
+    bounds = marginal.getRange()
+    open_low = not bounds.getFiniteLowerBound()[0]
+    open_high = not bounds.getFiniteUpperBound()[0]
+    low, low_p = _tail(
+        marginal, first, first - second, None if open_low else bounds.getLowerBound()[0]
+    )
+    high, high_p = _tail(
+        marginal, last, last - last_but_one, None if open_high else bounds.getUpperBound()[0]
+    )
+    points = np.concatenate([low[::-1], body[0], high])
+    probabilities = np.concatenate([low_p[::-1], body[1], high_p])
+    some = probabilities > 0.0
+    if not (np.isfinite(points[some]).all() and abs(probabilities.sum() - 1.0) <= _MASS_ERROR):
+        raise ValueError(
+            f"no Gauss rule for {marginal}: its density and its quantiles do not fit together"
+        )
+    return _Measure(points[some], probabilities[some], open_low, open_high)
+
+
+def _tail(
+    marginal: Any, start: float, scale: float, bound: float | None
+) -> tuple[FloatArray, FloatArray]:
+    """Points, outwards from `start` in panels that grow with the distance, and probabilities."""
+    edges = start + scale * np.expm1(_PANEL * np.arange(_TAIL_PANELS + 1))
+    if bound is not None:
+        edges = np.append(edges[(edges - bound) * np.sign(scale) < 0.0], bound)
+    x, dx = _panels(edges)
+    if x.size == 0:
+        return x, dx
+    with np.errstate(all="ignore"):  # a wrapped density may overflow where it vanishes
+        density = _values(marginal.computePDF, x)
+    return x, np.abs(dx) * np.where(density > 0.0, density, 0.0)
+
+
+def _values(function: Any, x: FloatArray) -> FloatArray:
+    """Values of an OpenTURNS function of one variable."""
+    import openturns as ot
+
+    return np.array(function(ot.Sample(x[:, None])), dtype=np.float64).ravel()
+
+
+def _panels(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Composite Gauss-Legendre rule between the edges: points, weights."""
+    x, w = np.polynomial.legendre.leggauss(_PANEL_NODES)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (0.5 * (edges[1:] + edges[:-1])[:, None] + half * x).ravel(), (half * w).ravel()
+
+
+def _rule_of_measure(measure: _Measure, n: int) -> tuple[FloatArray, FloatArray] | None:
+    """Gauss rule of a discrete measure, or None where it does not stand up to its own checks."""
+    points = measure.points
+    level = np.cumsum(measure.probabilities)
+    lower, center, upper = np.interp([0.25, 0.5, 0.75], level / level[-1], points)
+    with np.errstate(all="ignore"):  # missing moments overflow; the checks below tell
+        z = (points - center) / (upper - lower)
+        basis = np.empty((n, z.size))
+        basis[0] = np.sqrt(measure.probabilities / level[-1])
+        a, b = np.zeros(n), np.zeros(n - 1)
+        for k in range(n):
+            following = z * basis[k]
+            a[k] = basis[k] @ following
+            # twice, so that the basis stays orthogonal to rounding
+            for _ in range(2):
+                following = following - basis[: k + 1].T @ (basis[: k + 1] @ following)
+            if k < n - 1:
+                b[k] = np.linalg.norm(following)
+                basis[k + 1] = following / b[k]
+        highest = np.abs(z) * basis[-1] ** 2
+        tails = max(
+            highest[:_PANEL_NODES].sum() if measure.open_low else 0.0,
+            highest[-_PANEL_NODES:].sum() if measure.open_high else 0.0,
+        )
+        finite = np.isfinite(a).all() and np.isfinite(b).all()
+        if not (finite and tails <= _TAIL_SHARE * highest.sum()):
+            return None
+        nodes = np.linalg.eigvalsh(np.diag(a) + np.diag(b, 1) + np.diag(b, -1))
+        # weights as reciprocals of the Christoffel sums: the smallest ones stay accurate
+        p = np.ones((n, n))
+        for k in range(n - 1):
+            before = b[k - 1] * p[k - 1] if k else 0.0
+            p[k + 1] = ((nodes - a[k]) * p[k] - before) / b[k]
+        weights = 1.0 / (p * p).sum(axis=0)
+        departure = np.abs((p * weights) @ p.T - np.eye(n)).max()
+    if not departure <= _DEPARTURE:
+        return None
+    return center + (upper - lower) * nodes, weights
