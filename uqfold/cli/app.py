@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar, cast
 import typer
 
 import uqfold
-from uqfold.evaluation.interrupts import Interrupts
+from uqfold.cli.interrupts import Interrupts
 from uqfold.comparison.cases import available_cases, named_case
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from uqfold.evaluation.interrupts import Interrupts
+from uqfold.cli.interrupts import Interrupts
 from uqfold.comparison.header import RunHeader
 from uqfold.comparison.records import Records, write_records
 from uqfold.comparison.run import ComparisonPlan, run_comparison

@@ -1,6 +1,7 @@
 """Colours and markers of methods, the same in every figure, and readable without colour vision.
 
-Colours are those of Okabe and Ito; every method also has a marker of its own.
+Colours are those of Okabe and Ito, without black, which is the reference; every method also has a
+marker of its own.
 
 References
 ----------
@@ -42,11 +43,11 @@ _FIXED = {
 }
 _FURTHER = (
     MethodStyle("#56B4E9", "P"),
-    MethodStyle("#000000", "X"),
-    MethodStyle("#7F6A00", "<"),
+    MethodStyle("#7F6A00", "X"),
+    MethodStyle("#882255", "<"),
     MethodStyle("#5D3A9B", ">"),
-    MethodStyle("#B0003A", "p"),
-    MethodStyle("#4D4D4D", "h"),
+    MethodStyle("#117733", "p"),
+    MethodStyle("#8C510A", "h"),
 )
 
 REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4, 2))}

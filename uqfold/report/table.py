@@ -139,7 +139,10 @@ def _cells(row: Row, notes: Mapping[tuple[str, str], int], full: bool) -> list[C
         Cell(scientific(row["pf"], 4 if full else 3), "bold"),
         Cell(_interval(row, full)),
         Cell(f"{'~' if within else ''}{percent(row['error'])}"),
-        Cell(count_text(row["n_evals_row"], short=not full)),
+        # what a method refuses costs nothing
+        Cell(
+            NO_VALUE if status == "unsupported" else count_text(row["n_evals_row"], short=not full)
+        ),
         Cell(seconds_text(row["seconds"])),
         Cell(
             shown if number is None else f"{shown} [{number}]",

@@ -65,7 +65,7 @@ def percent(value: float) -> str:
         return NO_VALUE
     scaled = 100.0 * value
     if scaled >= 9999.5:
-        return f"{scaled:.1e} %".replace("e+0", "e")
+        return f"{scientific(scaled, 2)} %"
     if scaled >= 99.95:
         return f"{scaled:.0f} %"
     if scaled >= 0.995 or scaled == 0.0:

@@ -1,0 +1,212 @@
+"""The commands: help, errors, files, output on terminals and in pipes."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import uqfold
+from uqfold.cli import main
+from uqfold.comparison import read_records
+from uqfold.comparison.records import CSV_NAME, JSON_NAME
+from uqfold.methods import available
+from uqfold.problems.criterion import Binomial, criteria
+
+QUICK = ["--method", "ffni-spa", "--method", "ffni-pearson", "--threshold", "0,2"]
+FIGURES = {
+    f"{stem}.{suffix}"
+    for stem in ("reliability-curves", "error-against-evaluations")
+    for suffix in ("png", "svg")
+}
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def run(*words: str) -> int:
+    with pytest.raises(SystemExit) as exited:
+        main(words)
+    assert isinstance(exited.value.code, int)
+    return exited.value.code
+
+
+def in_a_process(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "uqfold", *words],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=120,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def test_compare_prints_the_table_and_writes_records_and_figures(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run("compare", "series", *QUICK, "--max-evals", "5000", "--seed", "3") == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith("series: Y, seed 3, at most 5,000 evaluations per method\n")
+    assert "T = 2, tau = 16, 1 mission" in out
+    assert f"written to {Path('uqfold-results', 'series')}: comparison.csv, comparison.json" in out
+    assert str(tmp_path) not in out
+    folder = tmp_path / "uqfold-results" / "series"
+    assert {path.name for path in folder.iterdir()} == {CSV_NAME, JSON_NAME, *FIGURES}
+
+
+def test_records_hold_what_was_asked_and_what_compare_gives(tmp_path: Path) -> None:
+    words = ["compare", "series", *QUICK, "--tau", "none", "--missions", "1,10:0.7"]
+    assert run(*words, "--max-evals", "5000", "--no-figures", "--out", str(tmp_path / "r")) == 0
+    records = read_records(tmp_path / "r")
+    assert records.complete
+    header = records.header
+    grid = criteria([0.0, 2.0], missions=[1, Binomial(10, 0.7)])
+    assert (header.criteria, header.seed, header.max_evals) == (grid, 0, 5000)
+    assert header.command == (
+        "uqfold compare series --method ffni-spa --method ffni-pearson --threshold 0,2 --tau none "
+        "--missions 1,10:0.7 --max-evals 5000 --no-figures --out r"
+    )
+    frame = uqfold.compare(
+        uqfold.problems.series(), ["ffni-spa", "ffni-pearson"], grid, max_evals=5000
+    )
+    again = records.to_frame()
+    assert again.drop(columns="seconds").equals(frame.drop(columns="seconds"))
+
+
+def test_nothing_written_names_a_path_of_this_machine(tmp_path: Path) -> None:
+    assert run("compare", "series", *QUICK, "--out", str(tmp_path / "deep" / "r")) == 0
+    for path in (tmp_path / "deep" / "r").iterdir():
+        content = path.read_bytes()
+        assert str(tmp_path).encode() not in content
+        assert str(Path.home()).encode() + b"/" not in content
+
+
+def test_a_budget_that_suits_the_case_by_default() -> None:
+    assert run("compare", "four-bar", "--method", "ffni-spa", "--threshold", "101", "--quiet") == 0
+    assert read_records(Path("uqfold-results", "four-bar")).header.max_evals == 2_000_000
+
+
+def test_quiet_prints_nothing_but_writes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("compare", "series", *QUICK, "--quiet", "--no-figures", "--out", "r") == 0
+    assert capsys.readouterr() == ("", "")
+    assert {path.name for path in Path("r").iterdir()} == {CSV_NAME, JSON_NAME}
+
+
+def test_figures_of_an_earlier_comparison_do_not_stay_beside_other_records() -> None:
+    assert run("compare", "series", *QUICK, "--quiet", "--out", "r") == 0
+    Path("r", "notes.txt").write_text("mine", encoding="utf-8")
+    assert run("compare", "series", *QUICK, "--quiet", "--out", "r", "--no-figures") == 0
+    assert {path.name for path in Path("r").iterdir()} == {CSV_NAME, JSON_NAME, "notes.txt"}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["wing"], "no case is named 'wing': choose from folding-wing, series, four-bar"),
+        (["series", "--method", "nope"], "no method is named 'nope': choose from ffni-spa, "),
+        (["series", "--method", "mc,mc"], "two methods are labelled 'mc'"),
+        (["series", "--threshold", "x"], "--threshold x: give a number"),
+        (["series", "--tau", "-1"], "tau = -1.0: give a number >= 0, or None"),
+        (["series", "--missions", "0"], "missions = 0"),
+        (["series", "--max-evals", "0"], "max_evals = 0"),
+        (["series", "--max-evals", "-5"], "max_evals = -5"),
+        (["series", "--max-evals", "many"], "--max-evals"),
+        (["series", "--seed", "-1"], "rng = -1"),
+        (
+            ["series", "--failed-runs", "ignore"],
+            "choose from ('raise', 'count-as-failure', 'bound')",
+        ),
+        (["series", "--colour"], "--colour"),
+        ([], "CASE"),
+    ],
+)
+def test_bad_arguments_are_refused_and_nothing_is_written(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run("compare", *words) == 2
+    out, err = capsys.readouterr()
+    assert said in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_out_that_is_a_file_is_refused_before_any_work(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("taken").write_text("mine", encoding="utf-8")
+    assert run("compare", "series", *QUICK, "--out", "taken") == 2
+    assert "--out taken: File exists" in capsys.readouterr().err
+    assert Path("taken").read_text(encoding="utf-8") == "mine"
+
+
+def test_without_any_answer_the_exit_code_tells(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("compare", "series", "--method", "ffni-spa", "--tau", "16") == 1
+    out, err = capsys.readouterr()
+    assert "unsupported [1]" in out
+    assert err == "error: no method has an answer\n"
+
+
+def test_methods_lists_name_and_title_of_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("methods") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(available())
+    for line, method in zip(lines, available().values(), strict=True):
+        assert line.endswith(method.title)
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--version") == 0
+    assert capsys.readouterr().out == f"uqfold {uqfold.__version__}\n"
+
+
+@pytest.mark.parametrize("words", [["--help"], ["compare", "--help"], ["methods", "--help"]])
+def test_help_has_examples(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(*words) == 0
+    out = capsys.readouterr().out
+    examples = re.split(r"Examples?:\n", out)[1]
+    assert examples.strip().startswith("uqfold ")
+    # \b must have kept the lines apart
+    assert "\x08" not in out
+
+
+def test_help_names_every_case(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("compare", "--help") == 0
+    out = capsys.readouterr().out
+    assert all(f"  {case} " in out for case in ("folding-wing", "series", "four-bar"))
+
+
+def test_output_into_a_pipe_is_plain_and_wide() -> None:
+    done = in_a_process("compare", "series", "--threshold", "2", "--max-evals", "4000")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
+    assert not re.search("[─-╿]", done.stdout)
+    assert "interval or error kind" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 120
+
+
+def test_a_terminal_without_the_signs_loses_no_line() -> None:
+    words = ("compare", "series", *QUICK, "--no-figures")
+    done = in_a_process(*words, PYTHONIOENCODING="ascii")
+    assert done.returncode == 0
+    assert "reference pf 1.675e-2 ? 1.7e-14" in done.stdout
+
+
+def test_a_second_run_gives_the_same_rows() -> None:
+    words = ("compare", "series", "--max-evals", "4000", "--threshold", "0", "--no-figures")
+    for name in ("a", "b"):
+        assert in_a_process(*words, "--quiet", "--out", name).returncode == 0
+    first, again = (
+        [{**row, "seconds": 0} for row in json.loads(Path(name, JSON_NAME).read_text())["rows"]]
+        for name in ("a", "b")
+    )
+    assert first == again

@@ -1,0 +1,294 @@
+"""Records: exact round trip, strict JSON, clear errors, nothing half written."""
+
+import csv
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import uqfold
+from tests.comparison.fakes import METHODS, toy_records
+from uqfold.comparison import Records, RecordsError, read_records, write_records
+from uqfold.comparison.columns import COLUMNS
+from uqfold.comparison.encoding import decoded, encoded
+from uqfold.comparison.header import shown_command
+from uqfold.problems.criterion import Binomial, criteria
+
+HARD_NUMBERS = {
+    "threshold": -5e-324,
+    "pf": 0.1 + 0.2,
+    "reliability": 1.0 - 2.0**-53,
+    "beta": math.inf,
+    "std_error": math.nan,
+    "ci_low": -0.0,
+    "ci_high": 1.7976931348623157e308,
+    "error": 1 / 3,
+    "seed": 2**127 + 1,
+    "message": 'a "quoted", µ\nsecond line',
+}
+
+
+@pytest.fixture
+def records() -> Records:
+    written = toy_records()
+    header = replace(written.header, criteria=written.header.criteria, seed=2**127 + 1)
+    rows = ({**written.rows[0], **HARD_NUMBERS}, *written.rows[1:])
+    return Records(header, rows)
+
+
+def without_constants(text: str) -> Any:
+    def refuse(name: str) -> None:
+        raise AssertionError(f"{name} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_round_trip_is_exact_to_the_last_bit(records: Records, tmp_path: Path) -> None:
+    _, path = write_records(records, tmp_path)
+    for read in (read_records(path), read_records(tmp_path), read_records(str(path))):
+        assert read.header == records.header
+        for row, written in zip(read.rows, records.rows, strict=True):
+            # repr tells -0.0 from 0.0 and equals itself for NaN
+            assert {k: repr(v) for k, v in row.items()} == {
+                k: repr(COLUMNS[k](v)) for k, v in written.items()
+            }
+    pd.testing.assert_frame_equal(read.to_frame(), records.to_frame(), check_exact=True)
+
+
+def test_frame_of_the_records_is_that_of_compare(tmp_path: Path) -> None:
+    written = toy_records()
+    write_records(written, tmp_path)
+    compared = uqfold.compare(
+        uqfold.problems.series(), "ffni-spa", uqfold.criteria(2.0)
+    )  # another problem, the same columns and types
+    read = read_records(tmp_path).to_frame()
+    assert list(read.dtypes.items()) == list(compared.dtypes.items())
+
+
+def test_infinite_criteria_and_binomial_missions_survive(tmp_path: Path) -> None:
+    grid = criteria([-math.inf, 12.0, math.inf], [None, 0.0, math.inf], [1, Binomial(3, 0.1)])
+    written = toy_records(grid, {"broken": METHODS["broken"]}, referenced=False)
+    write_records(written, tmp_path)
+    assert read_records(tmp_path).header.criteria == grid
+
+
+@given(st.floats(), st.integers(), st.text())
+def test_every_value_survives_strict_json(number: float, whole: int, text: str) -> None:
+    sent = [encoded(number), encoded(whole), encoded(text)]
+    received = without_constants(json.dumps(sent, allow_nan=False))
+    assert repr(decoded(received[0], float, "number")) == repr(
+        math.nan if math.isnan(number) else number
+    )
+    assert decoded(received[1], int, "whole") == whole
+    assert decoded(received[2], str, "text") == text
+
+
+def test_json_is_strict_and_says_its_schema(records: Records, tmp_path: Path) -> None:
+    _, path = write_records(records, tmp_path)
+    document = without_constants(path.read_text(encoding="utf-8"))
+    assert document["schema"] == "uqfold-comparison/1"
+    assert document["rows"][0]["std_error"] is None
+    assert document["rows"][0]["beta"] == "inf"
+    assert list(document["versions"]) == [
+        "uqfold",
+        "python",
+        "numpy",
+        "scipy",
+        "numba",
+        "openturns",
+    ]
+
+
+def test_the_columns_are_those_of_schema_1() -> None:
+    # another list of columns needs another number in the schema, and a new text in docs/records.md
+    assert list(COLUMNS) == [
+        *("problem", "label", "threshold", "tau", "missions", "missions_planned", "missions_p"),
+        *("pf", "reliability", "beta", "std_error", "ci_low", "ci_high", "ci_kind"),
+        *("pf_low", "pf_high", "error_kind", "status", "message", "n_evals", "n_evals_row"),
+        *("n_reused", "n_failed", "seconds", "method", "seed"),
+        *("reference_pf", "reference_std_error", "error"),
+    ]
+
+
+def test_every_column_is_documented() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "records.md").read_text(encoding="utf-8")
+    assert [name for name in COLUMNS if f"`{name}`" not in text] == []
+
+
+def test_the_code_in_the_documentation_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "records.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    written = toy_records()
+    write_records(written, tmp_path / "uqfold-results" / "series")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(code, names)
+    assert len(names["frame"]) == len(written.rows)
+
+
+def test_csv_holds_the_same_numbers(records: Records, tmp_path: Path) -> None:
+    path, _ = write_records(records, tmp_path)
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row, written in zip(rows, records.rows, strict=True):
+        assert list(row) == list(COLUMNS)
+        for name, kind in COLUMNS.items():
+            cell: Any = kind(row[name]) if row[name] or kind is str else math.nan
+            assert repr(cell) == repr(kind(written[name]))
+
+
+def damaged(document: dict[str, Any], how: str) -> Any:
+    match how:
+        case "no object":
+            return [document]
+        case "other schema":
+            return {**document, "schema": "uqfold-comparison/2"}
+        case "no schema":
+            return {key: value for key, value in document.items() if key != "schema"}
+        case "no seed":
+            return {key: value for key, value in document.items() if key != "seed"}
+        case "other columns":
+            return {**document, "columns": document["columns"][:-1]}
+        case "text for a number":
+            document["rows"][1]["pf"] = "small"
+        case "truth for a number":
+            document["rows"][1]["pf"] = True
+        case "number for a whole one":
+            document["rows"][1]["n_evals"] = 1.5
+        case "nothing for a text":
+            document["rows"][1]["label"] = None
+        case "row lacks a column":
+            del document["rows"][1]["pf"]
+        case "row is a list":
+            document["rows"][1] = list(document["rows"][1].values())
+        case "rows lost":
+            document["rows"].pop()
+        case "unknown label":
+            document["rows"][-1]["label"] = "stranger"
+        case "bad criterion":
+            document["criteria"][0]["tau"] = -1.0
+        case "method without title":
+            del document["methods"][0]["title"]
+        case "rows is null":
+            document["rows"] = None
+    return document
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("no object", "no JSON object"),
+        ("other schema", "'uqfold-comparison/2', not 'uqfold-comparison/1'"),
+        ("no schema", "its schema is None"),
+        ("no seed", "the field 'seed' is missing"),
+        ("other columns", "its columns are not those"),
+        ("text for a number", "row 1, pf = 'small' is not a number"),
+        ("truth for a number", "row 1, pf = True is not a number"),
+        ("number for a whole one", "row 1, n_evals = 1.5 is not a whole number"),
+        ("nothing for a text", "row 1, label = None is not a text"),
+        ("row lacks a column", "row 1 has not the columns"),
+        ("row is a list", "row 1"),
+        ("rows lost", r"11 rows of 'broken' for 12 criteria"),
+        ("unknown label", "'broken'|'stranger'"),
+        ("bad criterion", "tau = -1.0"),
+        ("method without title", "title"),
+        ("rows is null", "comparison.json is no readable record"),
+    ],
+)
+def test_a_damaged_record_is_refused_and_the_fault_named(
+    how: str, said: str, tmp_path: Path
+) -> None:
+    _, path = write_records(toy_records(), tmp_path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(damaged(document, how)), encoding="utf-8")
+    with pytest.raises(RecordsError, match=said) as caught:
+        read_records(path)
+    assert "written by `uqfold compare`" in str(caught.value)
+    assert str(tmp_path) not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "not json", '{"schema": "uqfold-comparison/1"', '{"schema": NaN}', "label,pf\nmc,1\n"],
+)
+def test_a_foreign_file_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "comparison.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RecordsError, match="no readable record of a comparison"):
+        read_records(path)
+
+
+def test_a_binary_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "comparison.json"
+    path.write_bytes(b"\x80\x04\x95\xff")
+    with pytest.raises(RecordsError, match="no readable record"):
+        read_records(path)
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        read_records(tmp_path / "nowhere.json")
+
+
+def test_an_interrupted_write_leaves_the_earlier_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    earlier = toy_records(command="uqfold compare earlier")
+    write_records(earlier, tmp_path)
+
+    def fails(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", fails)
+    with pytest.raises(KeyboardInterrupt):
+        write_records(toy_records(command="uqfold compare later"), tmp_path)
+    monkeypatch.undo()
+    assert read_records(tmp_path).header == earlier.header
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["comparison.csv", "comparison.json"]
+
+
+def test_an_unfinished_comparison_knows_that_it_is() -> None:
+    whole = toy_records()
+    assert whole.complete
+    part = replace(whole, rows=tuple(row for row in whole.rows if row["label"] != "broken"))
+    assert not part.complete
+    assert part.finished == ("exact", "biased", "sampled")
+    assert not replace(whole, rows=()).complete
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        (["compare", "series", "--tau", "none"], "uqfold compare series --tau none"),
+        (["compare", "series", "--out", "my results"], "uqfold compare series --out 'my results'"),
+        (["compare", "series", "--out", "/home/me/x"], "uqfold compare series --out .../x"),
+        (["compare", "series", "--out=/home/me/x"], "uqfold compare series --out=.../x"),
+        (["compare", "series", "--out", "{here}/a/b"], "uqfold compare series --out a/b"),
+    ],
+)
+def test_the_command_is_kept_without_absolute_paths(words: list[str], shown: str) -> None:
+    assert shown_command([word.format(here=Path.cwd()) for word in words]) == shown
+
+
+def test_versions_are_found_without_importing_the_packages() -> None:
+    code = (
+        "import sys; from uqfold.comparison.header import installed_versions; "
+        "assert installed_versions()['openturns'][0].isdigit(); "
+        "print([m for m in ('openturns', 'numba', 'pandas', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,204 @@
+"""compare and run_comparison: arguments, order, references, progress."""
+
+import math
+
+import numpy as np
+import pytest
+
+import uqfold
+from tests.comparison.fakes import (
+    GRID,
+    METHODS,
+    RELATIVE_STD_ERROR,
+    SYSTEM,
+    CountingModel,
+    Sampled,
+    Told,
+    toy_problem,
+    truth,
+)
+from uqfold.comparison import plan_comparison, run_comparison
+from uqfold.comparison.columns import COLUMNS
+from uqfold.evaluation import Evaluator, FailedRunError
+from uqfold.methods import available
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+
+
+def rows_run(problem: uqfold.Problem) -> int:
+    assert isinstance(problem.model, CountingModel)
+    return problem.model.rows
+
+
+def test_frame_has_one_row_per_method_and_criterion_in_order() -> None:
+    frame = uqfold.compare(toy_problem(), METHODS)
+    assert list(frame) == list(COLUMNS)
+    assert list(frame["label"]) == [label for label in METHODS for _ in GRID]
+    assert list(frame["threshold"]) == [one.threshold for _ in METHODS for one in GRID]
+    assert list(frame["missions"]) == [str(one.missions) for _ in METHODS for one in GRID]
+    assert set(frame["problem"]) == {"toy"}
+
+
+def test_error_and_reference_stand_beside_each_answer() -> None:
+    frame = uqfold.compare(toy_problem(), METHODS)
+    exact, biased = (frame[frame["label"] == label] for label in ("exact", "biased"))
+    known = [truth(one) for one in GRID]
+    assert list(exact["reference_pf"]) == known
+    assert list(exact["error"]) == [0.0] * len(GRID)
+    np.testing.assert_allclose(
+        exact["reference_std_error"], RELATIVE_STD_ERROR * np.array(known), rtol=1e-15
+    )
+    answered = biased["pf"].notna()
+    np.testing.assert_allclose(biased["error"][answered], 0.2, rtol=1e-12)
+    assert biased["error"][~answered].isna().all()
+    assert list(answered) == [one.tau is None for one in GRID]
+
+
+def test_references_are_never_interpolated() -> None:
+    off = math.nextafter(12.0, 13.0)
+    frame = uqfold.compare(toy_problem(), Told(), criteria([12.0, off, 12.5]))
+    assert list(frame["reference_pf"].notna()) == [True, False, False]
+    assert list(frame["error"].notna()) == [True, False, False]
+
+
+def test_a_problem_without_references_has_none() -> None:
+    frame = uqfold.compare(toy_problem(referenced=False), Told())
+    assert frame[["reference_pf", "reference_std_error", "error"]].isna().all(axis=None)
+
+
+def test_methods_may_be_given_in_every_form() -> None:
+    problem, one = toy_problem(), criteria(12.0)
+    assert list(uqfold.compare(problem, "ffni-spa", one)["label"]) == ["ffni-spa"]
+    assert list(uqfold.compare(problem, Told(), one)["label"]) == ["told"]
+    mixed = uqfold.compare(problem, ["ffni-spa", Told()], one)
+    assert list(mixed["label"]) == ["ffni-spa", "told"]
+    labelled = uqfold.compare(problem, {"few": Told(n=10), "many": Told(n=20)}, one)
+    assert list(labelled["label"]) == ["few", "many"]
+    assert list(labelled["method"]) == ["told", "told"]
+    assert list(labelled["n_evals"]) == [10, 20]
+
+
+def test_all_available_methods_by_default() -> None:
+    frame = uqfold.compare(toy_problem(), None, criteria(12.0), max_evals=3000)
+    assert list(frame["label"]) == list(available())
+    assert (frame["n_evals"] <= 3000).all()
+
+
+@pytest.mark.parametrize("criterion", [Criterion(12.0), [Criterion(12.0)], criteria(12.0)])
+def test_criteria_may_be_given_in_every_form(criterion: object) -> None:
+    assert len(uqfold.compare(toy_problem(), Told(), criterion)) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "said"),
+    [
+        ({"methods": "nope"}, ValueError, "no method is named 'nope': choose from ffni-spa, "),
+        ({"methods": [Told(), "nope"]}, ValueError, "'nope'"),
+        ({"methods": []}, ValueError, "no method given: choose from ffni-spa, "),
+        ({"methods": {}}, ValueError, "no method given"),
+        ({"methods": [Told(), Told(n=3)]}, ValueError, "two methods are labelled 'told'"),
+        ({"methods": [Told]}, TypeError, r"Told is a class: give an instance, Told\(\)"),
+        ({"methods": [3]}, TypeError, "3 is no method"),
+        ({"methods": {" ": Told()}}, ValueError, "' ' is no label"),
+        ({"criteria": [12.0]}, TypeError, "12.0 is not a Criterion"),
+        ({"criteria": []}, ValueError, "no criterion"),
+        ({"max_evals": -1}, ValueError, "max_evals = -1"),
+        ({"max_evals": 0}, ValueError, "max_evals = 0"),
+        ({"max_evals": 1.5}, ValueError, "max_evals = 1.5"),
+        ({"rng": -1}, ValueError, "rng = -1"),
+        ({"rng": "x"}, TypeError, "rng = 'x'"),
+    ],
+)
+def test_bad_arguments_are_refused_before_any_run(
+    arguments: dict[str, object], error: type[Exception], said: str
+) -> None:
+    problem = toy_problem()
+    with pytest.raises(error, match=said):
+        uqfold.compare(problem, **{"methods": [Told()], **arguments})
+    assert rows_run(problem) == 0
+
+
+def test_something_else_than_a_problem_is_refused() -> None:
+    with pytest.raises(TypeError, match="is no Problem"):
+        uqfold.compare("series")
+
+
+def test_criteria_are_needed_where_the_problem_has_none() -> None:
+    with pytest.raises(ValueError, match=r"no default ones: pass uqfold.criteria"):
+        uqfold.compare(SYSTEM.problem(), Told())
+
+
+def test_methods_are_given_one_by_one_as_they_finish() -> None:
+    problem = toy_problem()
+    runs = run_comparison(plan_comparison(problem, {"a": Told(n=10), "b": Told(n=20)}))
+    assert rows_run(problem) == 0
+    assert next(runs).label == "a"
+    assert rows_run(problem) == 10
+    assert next(runs).label == "b"
+    assert rows_run(problem) == 30
+
+
+def test_progress_hears_of_every_method_and_batch() -> None:
+    heard: list[tuple[str, int, int | None]] = []
+    own: list[tuple[int, int | None]] = []
+    evaluator = Evaluator(batch_rows=60, progress=lambda n, of: own.append((n, of)))
+    uqfold.compare(
+        toy_problem(),
+        {"a": Told(n=100), "b": Told(n=60)},
+        criteria(12.0),
+        evaluator=evaluator,
+        progress=lambda label, n, of: heard.append((label, n, of)),
+    )
+    assert heard == [("a", 0, None), ("a", 60, 100), ("a", 100, 100), ("b", 0, None), ("b", 60, 60)]
+    assert own == [(60, 100), (100, 100), (60, 60)]
+
+
+def test_every_method_gets_the_one_seed_and_a_row_can_be_repeated_by_the_method_alone() -> None:
+    frame = uqfold.compare(
+        toy_problem(), {"a": Sampled(), "b": Sampled(n=500)}, rng=np.random.default_rng(1)
+    )
+    (seed,) = set(frame["seed"])
+    alone = Sampled(n=500).estimate(toy_problem(), GRID, rng=int(seed))
+    assert list(frame[frame["label"] == "b"]["pf"]) == alone.pf.tolist()
+
+
+def test_same_seed_same_frame_other_seed_other_frame() -> None:
+    first, again, other = (
+        uqfold.compare(toy_problem(), Sampled(), rng=seed)["pf"].tolist() for seed in (0, 0, 1)
+    )
+    assert first == again
+    assert first != other
+
+
+def test_a_broken_method_is_a_row_and_not_a_crash() -> None:
+    frame = uqfold.compare(toy_problem(), METHODS, criteria(12.0))
+    broken = frame[frame["label"] == "broken"].iloc[0]
+    assert (broken["status"], broken["message"]) == ("failed", "ArithmeticError: a pole [at zero]")
+
+
+def test_policy_raise_ends_the_comparison_but_finished_methods_stay() -> None:
+    def sometimes_nan(x: np.ndarray) -> np.ndarray:
+        return np.where(np.arange(len(x)) == 150, np.nan, SYSTEM.response(x))
+
+    problem = uqfold.Problem(sometimes_nan, inputs=SYSTEM.problem().inputs.distribution, units=3)
+    plan = plan_comparison(
+        problem,
+        {"small": Told(n=100), "large": Told(n=200)},
+        Criterion(12.0, missions=Binomial(2, 0.5)),
+        evaluator=Evaluator(failed_runs="raise"),
+    )
+    runs = run_comparison(plan)
+    assert next(runs).label == "small"
+    with pytest.raises(FailedRunError, match="NaN"):
+        next(runs)
+
+
+def test_on_the_papers_first_example() -> None:
+    frame = uqfold.compare(
+        uqfold.problems.series(), ["ffni-spa", "mc"], criteria([0.0, 2.0, 6.0]), max_evals=40_000
+    )
+    spa, mc = (frame[frame["label"] == label] for label in ("ffni-spa", "mc"))
+    assert list(spa["n_evals"]) == [75] * 3
+    # within 3 % in the body of the distribution, a third too high in its tail
+    assert list(spa["error"] < 0.03) == [True, True, False]
+    body = mc[mc["threshold"] < 6.0]
+    assert (abs(body["pf"] - body["reference_pf"]) < 4.0 * body["std_error"]).all()
