@@ -1,0 +1,29 @@
+"""The Python code of README and docs runs as printed."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
+PAGES = ["README.md", "docs/records.md"]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_python_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
+    assert blocks, f"{page} shows no Python code"
+    monkeypatch.chdir(tmp_path)
+    if "uqfold-results/series" in "".join(blocks):
+        arguments = ["compare", "series", "--method", "ffni-spa", "--no-figures"]
+        subprocess.run([sys.executable, "-m", "uqfold", *arguments], check=True, capture_output=True)
+    exec(compile("\n".join(blocks), page, "exec"), {"__name__": page})
+
+
+def test_links_of_readme_lead_somewhere() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        assert (ROOT / target).exists(), target
