@@ -27,12 +27,13 @@ MAX_GAUSS_NODES = 64
 _CLASSICAL = frozenset({"Normal", "Uniform", "Exponential", "Gamma", "Beta"})
 
 _REACH = 6.0  # the body: beyond it, probabilities of 1e-9, the density takes over from quantiles
-_PANEL = 0.5
-_PANEL_NODES = 20
-_TAIL_PANELS = 130  # each half an e-fold: until the density vanishes, at most 1e28 scales out
+_PANEL = 0.25  # fine enough for the squares of polynomials with 64 zeros
+_PANEL_NODES = 24
+_TAIL_PANELS = 260  # each a quarter e-fold: until the density vanishes, or 1e28 scales out
 
 # Largest share of the highest moment in the outermost panel (a moment that does not exist has a
-# percent there), and largest departures of the measure and of the finished rule from norm one
+# thousandth and more there), and largest departures of the measure from mass one, and of the
+# finished rule from orthonormality
 _TAIL_SHARE = 1e-6
 _MASS_ERROR = 1e-8
 _DEPARTURE = 1e-10
@@ -147,10 +148,11 @@ def _tail(
     edges = start + scale * np.expm1(_PANEL * np.arange(_TAIL_PANELS + 1))
     if bound is not None:
         edges = np.append(edges[(edges - bound) * np.sign(scale) < 0.0], bound)
-    x, dx = _panels(edges)
-    if x.size == 0:
-        return x, dx
+    if edges.size < 2:
+        return np.empty(0), np.empty(0)
     with np.errstate(all="ignore"):  # a wrapped density may overflow where it vanishes
+        positive = _values(marginal.computePDF, edges[1:-1]) > 0.0
+        x, dx = _panels(edges[: 2 + int(np.argmin(np.append(positive, False)))])
         density = _values(marginal.computePDF, x)
     return x, np.abs(dx) * np.where(density > 0.0, density, 0.0)
 
@@ -159,6 +161,8 @@ def _values(function: Any, x: FloatArray) -> FloatArray:
     """Values of an OpenTURNS function of one variable."""
     import openturns as ot
 
+    if x.size == 0:
+        return x
     return np.array(function(ot.Sample(x[:, None])), dtype=np.float64).ravel()
 
 
