@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.mechanism import independent
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times, trajectory
 from uqfold.mechanism.compiled import fingerprint
 from uqfold.mechanism.deployment import deploy_rows
+from validation.mechanism import independent
 
 TABLE_6 = WingParameters(C_r=0.0015)
 TABLE_10 = TABLE_6.replace(V_q=200, k_d=1100, b=0.006)

@@ -49,7 +49,7 @@ def test_slider_starts_on_the_side_nearer_to_A():
 def test_replace_returns_a_validated_copy_and_the_record_is_frozen():
     original = WingParameters()
     changed = original.replace(C_r=0.0015, V_q=np.float64(100))
-    assert (changed.C_r, changed.V_q, changed.R_j) == (0.0015, 100.0, pytest.approx(0.0085))
+    assert (changed.C_r, changed.V_q, changed.R_j_C) == (0.0015, 100.0, pytest.approx(0.0085))
     assert original.C_r == 0.0025
     with pytest.raises(ValueError, match="C_r"):
         original.replace(C_r=0.02)

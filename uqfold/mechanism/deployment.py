@@ -1,4 +1,9 @@
-"""Deployment times of a batch of wings, and the one time loop that every result comes from."""
+"""Deployment times of a batch of wings.
+
+Two time loops run the same time step and give the same bits: `deploy_lanes` advances many wings
+side by side, for speed; `deploy_rows` advances one after the other, as the readable reference, and
+records the motion.
+"""
 
 import math
 from collections.abc import Callable
@@ -9,7 +14,19 @@ import numpy as np
 from numba import config
 from numpy.typing import ArrayLike, NDArray
 
-from uqfold.mechanism.compiled import entry_point, fingerprint
+from uqfold.mechanism.compiled import entry_point, fingerprint, inlined
+from uqfold.mechanism.lanes import (
+    CONSTANT_ROWS,
+    CONTROL_ROWS,
+    LANES,
+    STATE_ROWS,
+    TIME,
+    is_marked,
+    look_closer,
+    move_lane,
+    start_lane,
+    step_lanes,
+)
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.timestep import (
     FIRST_STEP,
@@ -23,13 +40,14 @@ from uqfold.mechanism.wing import (
     SampleParameters,
     initial_pose,
     is_possible,
+    sample_table,
     shared_parameters,
     wing_constants,
 )
 
 FloatArray = NDArray[np.float64]
 
-DEFAULT_TOLERANCE = 1e-6
+DEFAULT_TOLERANCE = 7e-7
 """Local error allowed per time step (m)."""
 
 MAX_STEPS = 2_000_000
@@ -38,8 +56,10 @@ MAX_STEPS = 2_000_000
 RECORD_WIDTH = 18
 """Numbers recorded per time step: t, q (5), v (5), a (5), damping of the contacts of B and C."""
 
-# Few enough samples to share the work evenly, enough to hide the Python around them.
-_CHUNK = 32
+# Samples handed to a thread at once: few enough to share the work evenly, enough to keep the lanes
+# filled.
+_SMALLEST_CHUNK, _LARGEST_CHUNK = 32, 512
+_CHUNKS_PER_THREAD = 4
 
 
 def deployment_times(
@@ -49,7 +69,11 @@ def deployment_times(
     delta: ArrayLike | None = None,
     k_d: ArrayLike | None = None,
     b: ArrayLike | None = None,
+    b_1: ArrayLike | None = None,
+    b_2: ArrayLike | None = None,
     C_r: ArrayLike | None = None,
+    C_r_B: ArrayLike | None = None,
+    C_r_C: ArrayLike | None = None,
     l_1: ArrayLike | None = None,
     l_2: ArrayLike | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
@@ -61,8 +85,11 @@ def deployment_times(
     ----------
     parameters : WingParameters
         Values of all parameters that are not given per sample.
-    V_q, delta, k_d, b, C_r, l_1, l_2 : array_like, shape (n,) or scalar, optional
-        Values per sample in SI units (m/s, rad, N, m, m, m, m), in place of those in `parameters`.
+    V_q, delta, k_d, b_1, b_2, C_r_B, C_r_C, l_1, l_2 : array_like, shape (n,) or scalar, optional
+        Values per sample in SI units (m/s, rad, N, and m for all others), in place of those in
+        `parameters`.
+    b, C_r : array_like, shape (n,) or scalar, optional
+        One thickness for crank and rod, one clearance for both joints (m).
     tolerance : float, optional
         Local error allowed per time step (m), in the position of the joints.
     threads : int, optional
@@ -74,14 +101,15 @@ def deployment_times(
     ndarray, shape (n,)
         Deployment times (s); (1,) when only scalars are given. +inf where the wing has not locked
         within `parameters.t_max`, also because its arms do not reach the lock. NaN, and no
-        exception, where a sample is impossible (a value that is not finite; V_q < 0; b, C_r, l_1
-        or l_2 not positive; C_r >= R_b; lengths that do not assemble or that start beyond the
-        lock), or where the integration fails or exceeds `MAX_STEPS`.
+        exception, where a sample is impossible (a value that is not finite; V_q < 0; a thickness,
+        clearance or length not positive; a clearance not below R_b; lengths that do not assemble
+        or that start beyond the lock), or where the integration fails or exceeds `MAX_STEPS`.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit, the tolerance is not positive, or `threads` is below 1.
+        If the shapes do not fit, `b` or `C_r` is given beside one of its parts, the tolerance is
+        not positive, or `threads` is below 1.
 
     Examples
     --------
@@ -95,15 +123,29 @@ def deployment_times(
         threads = int(cast(Any, config).NUMBA_NUM_THREADS)
     if threads < 1:
         raise ValueError(f"threads = {threads} is not positive: give at least 1, or None")
-    given = dict(zip(SampleParameters._fields, (V_q, delta, k_d, b, C_r, l_1, l_2), strict=True))
-    samples = _table(parameters, given)
+    given = {
+        "V_q": V_q,
+        "delta": delta,
+        "k_d": k_d,
+        "b": b,
+        "b_1": b_1,
+        "b_2": b_2,
+        "C_r": C_r,
+        "C_r_B": C_r_B,
+        "C_r_C": C_r_C,
+        "l_1": l_1,
+        "l_2": l_2,
+    }
+    samples = sample_table(parameters, given)
     shared = shared_parameters(parameters)
     times = np.empty(len(samples))
-    starts = range(0, len(samples), _CHUNK)
+    even = -(-len(samples) // (_CHUNKS_PER_THREAD * threads))
+    chunk = min(max(even, _SMALLEST_CHUNK), _LARGEST_CHUNK)
+    starts = range(0, len(samples), chunk)
 
     def run(start: int) -> None:
-        rows = slice(start, start + _CHUNK)
-        deploy_rows(shared, samples[rows], float(tolerance), times[rows], _NO_RECORD)
+        rows = slice(start, start + chunk)
+        deploy_lanes(shared, samples[rows], float(tolerance), MAX_STEPS, times[rows])
 
     if threads == 1 or len(starts) <= 1:
         for start in starts:
@@ -124,34 +166,80 @@ def check_tolerance(tolerance: float) -> None:
         )
 
 
-def _table(parameters: WingParameters, given: dict[str, ArrayLike | None]) -> FloatArray:
-    """Samples as rows, with the columns of `SampleParameters`."""
-    columns = {}
-    for name, values in given.items():
-        column = np.asarray(getattr(parameters, name) if values is None else values, dtype=float)
-        if column.ndim > 1:
-            raise ValueError(
-                f"{name} has shape {column.shape}: give a scalar or an array of shape (n,)"
-            )
-        columns[name] = np.atleast_1d(column)
-    lengths = {name: len(column) for name, column in columns.items() if len(column) != 1}
-    if len(set(lengths.values())) > 1:
-        raise ValueError(f"the lengths differ, {lengths}: give scalars or arrays of one length")
-    return np.column_stack(np.broadcast_arrays(*columns.values()))
+@inlined
+def _sample(row):  # type: ignore[no-untyped-def]
+    """Row of a table of samples by name."""
+    return SampleParameters(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
 
 
-def _build(source: int) -> Callable[..., Any]:
+@inlined
+def _response(status: int, t: float) -> float:
+    """Deployment time (s) of a wing whose motion has come to its end at time `t`."""
+    if status == LOCKED:
+        return t
+    return math.inf if status == TIMED_OUT else math.nan
+
+
+def _build_lanes(source: int) -> Callable[..., Any]:
+    @entry_point
+    def deploy_lanes(shared, samples, tolerance, max_steps, times):  # type: ignore[no-untyped-def]
+        """Fill `times` (n,) for the `samples` (n, 9), a lane per sample.
+
+        A lane whose wing has come to its end takes the next sample; when there is none, it takes
+        over the last lane, so that the lanes in use are always the first ones.
+        """
+        limit = float(max_steps + 0 * source)  # source matters as a part of the cache key only
+        constants = np.zeros(CONSTANT_ROWS * LANES)
+        states = np.zeros(STATE_ROWS * LANES)
+        ends = np.zeros(STATE_ROWS * LANES)
+        control = np.zeros(CONTROL_ROWS * LANES)
+        rows = np.zeros(LANES, np.int64)
+        # numba would compile what is called with a literal 0 for it alone
+        none: Any = np.int64(0)
+        taken = none
+        active = none
+        while True:
+            while active < LANES and taken < len(samples):
+                sample = _sample(samples[taken])
+                if is_possible(shared, sample):
+                    start_lane(shared, sample, constants, states, control, active)
+                    rows[active] = taken
+                    active += 1
+                else:
+                    times[taken] = math.nan
+                taken += 1
+            if active == 0:
+                return
+            step_lanes(constants, states, ends, control, active, limit, tolerance)
+            i = none
+            while i < active:
+                status = RUNNING
+                if is_marked(control, i):
+                    status = look_closer(constants, states, ends, control, i, limit)
+                if status == RUNNING:
+                    i += 1
+                else:
+                    times[rows[i]] = _response(status, ends[TIME * LANES + i])
+                    active -= 1
+                    rows[i] = rows[active]
+                    for array in (constants, states, ends, control):
+                        move_lane(array, active, i)
+            states, ends = ends, states
+
+    return deploy_lanes
+
+
+def _build_rows(source: int) -> Callable[..., Any]:
     @entry_point
     def deploy_rows(shared, samples, tolerance, times, record):  # type: ignore[no-untyped-def]
-        """Fill `times` (n,) for the `samples` (n, 7), and `record` with the last one's time steps.
+        """Fill `times` (n,) for the `samples` (n, 9), and `record` with the last one's time steps.
 
         Returns the number of time steps of the last sample; `record` (m, RECORD_WIDTH) takes the
         first m points of the motion, from the initial one on.
         """
         steps = 0 * source  # source matters as a part of the cache key only
         for i in range(samples.shape[0]):
-            row = samples[i]
-            p = SampleParameters(row[0], row[1], row[2], row[3], row[4], row[5], row[6])
+            p = _sample(samples[i])
             if not is_possible(shared, p):
                 times[i] = math.nan
                 continue
@@ -174,16 +262,11 @@ def _build(source: int) -> Callable[..., Any]:
                     break
                 state, h, status = advance(w, state, h, tolerance)
                 steps += 1
-            if status == LOCKED:
-                times[i] = state.t
-            elif status == TIMED_OUT:
-                times[i] = math.inf
-            else:
-                times[i] = math.nan
+            times[i] = _response(status, state.t)
         return steps
 
     return deploy_rows
 
 
-_NO_RECORD = np.empty((0, RECORD_WIDTH))
-deploy_rows = _build(fingerprint())
+deploy_lanes = _build_lanes(fingerprint())
+deploy_rows = _build_rows(fingerprint())

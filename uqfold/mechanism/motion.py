@@ -17,8 +17,8 @@ Five = tuple[float, float, float, float, float]
 Four = tuple[float, float, float, float]
 """cos(theta_1), sin(theta_1), cos(theta_2), sin(theta_2); or X and Y of joint B, then of C."""
 
-# Up to this turn (rad) the series of _rotate are exact to rounding.
-_SMALL_TURN = 0.03
+LARGEST_TURN = 0.02
+"""Turn (rad) up to which `turned` is exact to 1e-13."""
 
 
 @inlined
@@ -29,7 +29,7 @@ def directions(q: Five) -> Four:
 
 @inlined
 def turned(d: Four, q: Five, q_new: Five) -> Four:
-    """Directions at `q_new`, given the directions `d` at `q`."""
+    """Directions at `q_new`, up to `LARGEST_TURN` away, given the directions `d` at `q`."""
     c_1, s_1 = _rotate(d[0], d[1], q_new[0] - q[0])
     c_2, s_2 = _rotate(d[2], d[3], q_new[3] - q[3])
     return c_1, s_1, c_2, s_2
@@ -40,15 +40,11 @@ def _rotate(cosine: float, sine: float, turn: float) -> tuple[float, float]:
     """Cosine and sine of an angle turned on by `turn` (rad).
 
     Within a time step the turn is tiny, and a short series replaces the library's functions, which
-    would cost as much as the rest of the equations of motion.
+    would cost as much as the rest of the equations of motion and know no packed form.
     """
-    if abs(turn) < _SMALL_TURN:
-        z = turn * turn
-        c = 1.0 - z * (1 / 2 - z * (1 / 24 - z * (1 / 720)))
-        s = turn * (1.0 - z * (1 / 6 - z * (1 / 120 - z * (1 / 5040))))
-    else:
-        c = math.cos(turn)
-        s = math.sin(turn)
+    z = turn * turn
+    c = 1.0 - z * (1 / 2 - z * (1 / 24))
+    s = turn * (1.0 - z * (1 / 6 - z * (1 / 120)))
     return cosine * c - sine * s, sine * c + cosine * s
 
 
@@ -85,10 +81,10 @@ def gaps(w: WingConstants, q: Five, v: Five, d: Four) -> Four:
     e = eccentricities(w, q, d)
     rate = eccentricity_rates(w, v, d)
     return (
-        0.5 * ((e[0] * e[0] + e[1] * e[1]) * w.inverse_C_r - w.C_r),
-        (e[0] * rate[0] + e[1] * rate[1]) * w.inverse_C_r,
-        0.5 * ((e[2] * e[2] + e[3] * e[3]) * w.inverse_C_r - w.C_r),
-        (e[2] * rate[2] + e[3] * rate[3]) * w.inverse_C_r,
+        0.5 * ((e[0] * e[0] + e[1] * e[1]) * w.inverse_C_r_B - w.C_r_B),
+        (e[0] * rate[0] + e[1] * rate[1]) * w.inverse_C_r_B,
+        0.5 * ((e[2] * e[2] + e[3] * e[3]) * w.inverse_C_r_C - w.C_r_C),
+        (e[2] * rate[2] + e[3] * rate[3]) * w.inverse_C_r_C,
     )
 
 
@@ -100,6 +96,7 @@ def joint_force(
     rate_x: float,
     rate_y: float,
     roll: float,
+    C_r: float,
     stiffness: float,
     damping: float,
 ) -> tuple[float, float, float]:
@@ -113,10 +110,12 @@ def joint_force(
         Eccentricity (m) and its rate (m/s).
     roll : float
         R_j times the angular velocity of the journal minus R_b times that of the bearing (m/s).
+    C_r : float
+        Clearance of the joint (m).
     stiffness : float
         K of Eq. (6) (N/m^1.5).
     damping : float
-        3 (1 - C_e^2) / 4 over the penetration velocity at onset (s/m), negative while the joint is
+        Hysteresis factor over the penetration velocity at onset (s/m), negative while the joint is
         not in contact.
 
     Returns
@@ -127,13 +126,13 @@ def joint_force(
         a moment about them.
     """
     square = e_x * e_x + e_y * e_y
-    if damping < 0.0 or square <= w.C_r * w.C_r:
+    if damping < 0.0 or square <= C_r * C_r:
         return 0.0, 0.0, 0.0
     distance = math.sqrt(square)
     inverse = 1.0 / distance
     n_x = e_x * inverse
     n_y = e_y * inverse
-    penetration = distance - w.C_r
+    penetration = distance - C_r
     rate = rate_x * n_x + rate_y * n_y
     sliding = rate_y * n_x - rate_x * n_y
     if w.material:
@@ -155,10 +154,10 @@ def joint_forces(
     """Contact forces on the bearings (N): X, Y and tangential part of B, then of C."""
     e = eccentricities(w, q, d)
     rate = eccentricity_rates(w, v, d)
-    roll_C = w.R_j * v[3]
-    roll_B = roll_C - w.R_b * v[0]
-    B_x, B_y, B_t = joint_force(w, e[0], e[1], rate[0], rate[1], roll_B, w.K_B, damping_B)
-    C_x, C_y, C_t = joint_force(w, e[2], e[3], rate[2], rate[3], roll_C, w.K_C, damping_C)
+    roll_B = w.R_j_B * v[3] - w.R_b * v[0]
+    roll_C = w.R_j_C * v[3]
+    B_x, B_y, B_t = joint_force(w, e[0], e[1], rate[0], rate[1], roll_B, w.C_r_B, w.K_B, damping_B)
+    C_x, C_y, C_t = joint_force(w, e[2], e[3], rate[2], rate[3], roll_C, w.C_r_C, w.K_C, damping_C)
     return B_x, B_y, B_t, C_x, C_y, C_t
 
 
@@ -190,7 +189,9 @@ def accelerations(
     load_1 = w.D_1 * abs(s_1) + w.G_1
     load_2 = w.D_2 * abs(s_2) + w.G_2
     moment_1 = w.l_1 * (c_1 * B_y - s_1 * B_x) + w.R_b * B_t - w.half_l_1 * s_1 * load_1
-    moment_2 = w.half_l_2 * (c_2 * (C_y - B_y) - s_2 * (C_x - B_x)) - w.R_j * (B_t + C_t)
+    # journals of one radius, the usual case, need the sum of their friction only
+    friction_2 = w.R_j_B * (B_t + C_t) + (w.R_j_C - w.R_j_B) * C_t
+    moment_2 = w.half_l_2 * (c_2 * (C_y - B_y) - s_2 * (C_x - B_x)) - friction_2
     return (
         moment_1 * w.inverse_J_A,
         (load_2 - B_x - C_x) * w.inverse_m_2,

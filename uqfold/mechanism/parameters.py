@@ -1,35 +1,58 @@
 """Parameters of one folding wing, in SI units, with the values of Table 1 as defaults."""
 
 import math
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args
 
+ContactLaw = Literal["lankarani-nikravesh", "hunt-crossley", "flores-2011", "gonthier"]
 TangentialVelocity = Literal["geometric", "material"]
 
-_POSITIVE = [
-    "l_1",
-    "w_1",
-    "rho_1",
-    "l_2",
-    "w_2",
-    "rho_2",
-    "V_3",
-    "rho_3",
-    "b",
-    "C_r",
-    "R_b",
-    "C_e",
-    "E_1",
-    "E_2",
-    "g",
-    "t_max",
-    "onset_velocity_floor",
-]
-_NOT_NEGATIVE = ["V_q", "C_0", "rho_a", "C_f", "friction_v_0", "friction_v_1"]
-_POISSON = ("nu_1", "nu_2")
+_CHOICES = {
+    "contact_law": get_args(ContactLaw),
+    "tangential_velocity": get_args(TangentialVelocity),
+}
+
+PARTS = {
+    "b": ("b_1", "b_2"),
+    "C_r": ("C_r_B", "C_r_C"),
+    "E_1": ("E_b_B", "E_j_B", "E_j_C"),
+    "nu_1": ("nu_b_B", "nu_j_B", "nu_j_C"),
+    "E_2": ("E_b_C",),
+    "nu_2": ("nu_b_C",),
+}
+"""The paper's names for what several fields of the record have in common."""
+
+_NOT_NEGATIVE = {"V_q", "C_0", "rho_a", "C_f", "friction_v_0", "friction_v_1"}
+_ANY_SIGN = {"c", "k_d", "delta", "theta_1_initial", "x_lock"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+def spread(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `values` with each name in `PARTS` replaced by the fields that it stands for.
+
+    Raises
+    ------
+    ValueError
+        If a field is given both by its own name and by the common one.
+
+    Examples
+    --------
+    >>> spread({"V_q": 120.0, "C_r": 0.001})
+    {'V_q': 120.0, 'C_r_B': 0.001, 'C_r_C': 0.001}
+    """
+    result: dict[str, Any] = {}
+    for name, value in values.items():
+        for field in PARTS.get(name, (name,)):
+            if field in result:
+                common = next(key for key in values if field in PARTS.get(key, ()))
+                raise ValueError(
+                    f"{common} already sets {field}, which is given as well: leave out one of them"
+                )
+            result[field] = value
+    return result
+
+
+@dataclass(frozen=True, init=False, repr=False)
 class WingParameters:
     """Geometry, masses, joints, loads and end of deployment of one folding wing.
 
@@ -37,6 +60,10 @@ class WingParameters:
     A, the origin), body 2 the connecting rod (the auxiliary wing), body 3 the slider. Joint B
     joins crank and rod, joint C rod and slider; both are bearings with a clearance. The crank (B)
     and the slider (C) carry the bearings, the rod carries both journals.
+
+    The record holds one value per wing and joint. The paper's common names stand for all of them:
+    `C_r=0.001` sets `C_r_B` and `C_r_C`, and reads their value where they agree; `b` does so for
+    `b_1` and `b_2`, and E_1, nu_1, E_2, nu_2 for the materials, see `PARTS`.
 
     Parameters
     ----------
@@ -48,8 +75,8 @@ class WingParameters:
         Densities of crank, rod and slider (kg/m^3), Eq. (19).
     V_3 : float
         Volume of the slider (m^3), Eq. (19).
-    b : float
-        Thickness of crank and rod (m), Eqs. (14) and (19): V_i = l_i w_i b.
+    b_1, b_2 : float
+        Thicknesses of crank and rod (m), Eqs. (14) and (19): V_i = l_i w_i b_i. Both: `b`.
     c : float
         Distance of the slider below the X axis (m), Eq. (10): y_3 = -c.
     k_d : float
@@ -64,16 +91,21 @@ class WingParameters:
         Density of the air (kg/m^3), Eq. (14).
     g : float
         Acceleration of gravity (m/s^2), Eq. (15).
-    C_r : float
-        Radial clearance of both joints (m), Eq. (2).
+    C_r_B, C_r_C : float
+        Radial clearances of the joints B and C (m), Eq. (2). Both: `C_r`.
     R_b : float
-        Radius of both bearings (m), Eq. (2); the journals have R_b - C_r.
+        Radius of both bearings (m), Eq. (2); the journals have R_b - C_r_B and R_b - C_r_C.
     C_e : float
         Coefficient of restitution (1), Eq. (5), in (0, 1].
-    E_1, nu_1 : float
-        Young's modulus (Pa) and Poisson's ratio of crank and rod (aluminium), Eq. (6).
-    E_2, nu_2 : float
-        Young's modulus (Pa) and Poisson's ratio of the slider (steel), Eq. (6).
+    E_b_B, nu_b_B, E_j_B, nu_j_B : float
+        Young's modulus (Pa) and Poisson's ratio of bearing and journal of joint B, Eq. (6): crank
+        and rod, both aluminium.
+    E_b_C, nu_b_C, E_j_C, nu_j_C : float
+        The same for joint C: the slider, of steel, and the rod. E_1 and nu_1 set all that belongs
+        to crank and rod, E_2 and nu_2 what belongs to the slider.
+    contact_law : {"lankarani-nikravesh", "hunt-crossley", "flores-2011", "gonthier"}
+        Hysteresis of the normal force: as printed in Eq. (5), or as another law relates it to the
+        coefficient of restitution; see `uqfold.mechanism.contact.hysteresis_factor`.
     C_f : float
         Coefficient of friction in the joints (1), Eq. (7).
     friction_v_0, friction_v_1 : float
@@ -95,12 +127,17 @@ class WingParameters:
     ------
     ValueError
         If a value is not a finite number or is physically impossible; the message names the field,
-        the value and the remedy.
+        the value and the remedy. Also if a field is given by its own and by the common name.
+    TypeError
+        If a name is neither a field nor one of the common names.
 
     Examples
     --------
-    >>> WingParameters().replace(C_r=0.0015).R_j
+    >>> wing = WingParameters(C_r=0.0015)
+    >>> wing.R_j_B
     0.0085
+    >>> wing.replace(C_r_C=0.002, contact_law="flores-2011")
+    WingParameters(C_r_B=0.0015, C_r_C=0.002, contact_law='flores-2011')
     """
 
     l_1: float = 1.5
@@ -111,7 +148,8 @@ class WingParameters:
     rho_2: float = 2700.0
     V_3: float = 0.001
     rho_3: float = 7870.0
-    b: float = 0.007
+    b_1: float = 0.007
+    b_2: float = 0.007
     c: float = 0.1
     k_d: float = 550.0
     V_q: float = 140.0
@@ -119,13 +157,19 @@ class WingParameters:
     C_0: float = 1.0
     rho_a: float = 1.293
     g: float = 9.81
-    C_r: float = 0.0025
+    C_r_B: float = 0.0025
+    C_r_C: float = 0.0025
     R_b: float = 0.010
     C_e: float = 0.9
-    E_1: float = 70e9
-    nu_1: float = 0.33
-    E_2: float = 200e9
-    nu_2: float = 0.3
+    E_b_B: float = 70e9
+    nu_b_B: float = 0.33
+    E_j_B: float = 70e9
+    nu_j_B: float = 0.33
+    E_b_C: float = 200e9
+    nu_b_C: float = 0.3
+    E_j_C: float = 70e9
+    nu_j_C: float = 0.33
+    contact_law: ContactLaw = "lankarani-nikravesh"
     C_f: float = 0.1
     friction_v_0: float = 0.001
     friction_v_1: float = 0.010
@@ -135,16 +179,72 @@ class WingParameters:
     x_lock: float = 1.0
     t_max: float = 2.0
 
-    def __post_init__(self) -> None:
-        """Refuse values with which there is no wing to simulate."""
-        self._check_numbers()
+    def __init__(self, **values: Any) -> None:
+        unknown = values.keys() - {field.name for field in fields(self)} - PARTS.keys()
+        if unknown:
+            raise TypeError(f"{', '.join(sorted(unknown))}: no such parameter of the wing")
+        given = spread({name: _checked(name, value) for name, value in values.items()})
+        for field in fields(self):
+            object.__setattr__(self, field.name, given.get(field.name, field.default))
         self._check_joints()
         self._check_assembly()
 
+    def __repr__(self) -> str:
+        """Show what differs from Table 1."""
+        changed = {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
+        }
+        for common, parts in PARTS.items():
+            if all(part in changed for part in parts) and len({changed[p] for p in parts}) == 1:
+                changed = {
+                    common if name == parts[0] else name: value
+                    for name, value in changed.items()
+                    if name not in parts[1:]
+                }
+        shown = ", ".join(f"{name}={value!r}" for name, value in changed.items())
+        return f"{type(self).__name__}({shown})"
+
     @property
-    def R_j(self) -> float:
-        """Radius of both journals (m): R_b - C_r, from Eq. (2)."""
-        return self.R_b - self.C_r
+    def b(self) -> float:
+        """Thickness of crank and rod (m); ValueError where they differ."""
+        return self._common("b")
+
+    @property
+    def C_r(self) -> float:
+        """Clearance of both joints (m); ValueError where they differ."""
+        return self._common("C_r")
+
+    @property
+    def E_1(self) -> float:
+        """Young's modulus of crank and rod (Pa); ValueError where the joints' parts differ."""
+        return self._common("E_1")
+
+    @property
+    def nu_1(self) -> float:
+        """Poisson's ratio of crank and rod; ValueError where the joints' parts differ."""
+        return self._common("nu_1")
+
+    @property
+    def E_2(self) -> float:
+        """Young's modulus of the slider (Pa)."""
+        return self.E_b_C
+
+    @property
+    def nu_2(self) -> float:
+        """Poisson's ratio of the slider."""
+        return self.nu_b_C
+
+    @property
+    def R_j_B(self) -> float:
+        """Radius of the journal of joint B (m): R_b - C_r_B, from Eq. (2)."""
+        return self.R_b - self.C_r_B
+
+    @property
+    def R_j_C(self) -> float:
+        """Radius of the journal of joint C (m): R_b - C_r_C, from Eq. (2)."""
+        return self.R_b - self.C_r_C
 
     @property
     def x_3_initial(self) -> float:
@@ -160,52 +260,29 @@ class WingParameters:
         ValueError
             If a new value is impossible.
         TypeError
-            If a name is not a field.
+            If a name is neither a field nor a common name.
         """
-        return replace(self, **changes)
+        present = {field.name: getattr(self, field.name) for field in fields(self)}
+        for name in changes:
+            for part in PARTS.get(name, ()):
+                present.pop(part)
+        return type(self)(**present | changes)
 
-    def _check_numbers(self) -> None:
-        if self.tangential_velocity not in get_args(TangentialVelocity):
-            raise ValueError(
-                f"tangential_velocity = {self.tangential_velocity!r} is unknown: "
-                f"choose one of {', '.join(get_args(TangentialVelocity))}"
-            )
-        for field in fields(self):
-            if field.name == "tangential_velocity":
-                continue
-            value = getattr(self, field.name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                raise ValueError(
-                    f"{field.name} = {value!r} is not a number: give one value in SI units"
-                ) from None
-            if not math.isfinite(number):
-                raise ValueError(f"{field.name} = {value} is not finite: give a finite value")
-            object.__setattr__(self, field.name, number)
-        for name in _POSITIVE:
-            if getattr(self, name) <= 0:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)} is not positive: give a value above 0"
-                )
-        for name in _NOT_NEGATIVE:
-            if getattr(self, name) < 0:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)} is negative: give 0 or a positive value"
-                )
-        for name in _POISSON:
-            if not -1 < getattr(self, name) <= 0.5:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)} is no Poisson's ratio: "
-                    "give a value above -1 and up to 0.5"
-                )
+    def _common(self, name: str) -> float:
+        """Value of all the fields that `name` stands for."""
+        values: dict[str, float] = {part: getattr(self, part) for part in PARTS[name]}
+        if len(set(values.values())) > 1:
+            raise ValueError(f"{name} has no one value here, {values}: ask for its parts")
+        return next(iter(values.values()))
 
     def _check_joints(self) -> None:
-        if self.C_r >= self.R_b:
-            raise ValueError(
-                f"C_r = {self.C_r} m leaves no journal in a bearing of radius R_b = {self.R_b} m: "
-                "give a clearance below R_b"
-            )
+        for name in ("C_r_B", "C_r_C"):
+            if getattr(self, name) >= self.R_b:
+                shown = "C_r" if self.C_r_B == self.C_r_C else name
+                raise ValueError(
+                    f"{shown} = {getattr(self, name)} m leaves no journal in a bearing of radius "
+                    f"R_b = {self.R_b} m: give a clearance below R_b"
+                )
         if self.C_e > 1:
             raise ValueError(
                 f"C_e = {self.C_e} would create energy at every impact: give a value in (0, 1]"
@@ -236,3 +313,32 @@ class WingParameters:
                 f"but the arms allow {abs(self.l_1 - self.l_2):.6g} to {self.l_1 + self.l_2:.6g} m;"
                 " choose x_lock within reach"
             )
+
+
+def _checked(name: str, value: Any) -> float | str:
+    """Return the value as a float, or the choice, if the parameter can have it."""
+    if name in _CHOICES:
+        if value not in _CHOICES[name]:
+            raise ValueError(
+                f"{name} = {value!r} is unknown: choose one of {', '.join(_CHOICES[name])}"
+            )
+        return str(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"{name} = {value!r} is not a number: give one value in SI units"
+        ) from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name} = {value} is not finite: give a finite value")
+    if name.startswith("nu_"):
+        if not -1 < number <= 0.5:
+            raise ValueError(
+                f"{name} = {value} is no Poisson's ratio: give a value above -1 and up to 0.5"
+            )
+    elif name in _NOT_NEGATIVE:
+        if number < 0:
+            raise ValueError(f"{name} = {value} is negative: give 0 or a positive value")
+    elif name not in _ANY_SIGN and number <= 0:
+        raise ValueError(f"{name} = {value} is not positive: give a value above 0")
+    return number

@@ -27,8 +27,8 @@ from uqfold.mechanism.motion import (
 )
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.wing import (
-    SampleParameters,
     WingConstants,
+    sample_parameters,
     shared_parameters,
     wing_constants,
 )
@@ -116,7 +116,7 @@ def trajectory(parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERAN
     """
     check_tolerance(tolerance)
     shared = shared_parameters(parameters)
-    sample = SampleParameters(*(getattr(parameters, name) for name in SampleParameters._fields))
+    sample = sample_parameters(parameters)
     samples = np.array([sample])
     times = np.empty(1)
     steps = deploy_rows(shared, samples, float(tolerance), times, np.empty((0, RECORD_WIDTH)))
@@ -154,6 +154,7 @@ def _joint_audit(
     e: tuple[float, float],
     e_rate: tuple[float, float],
     roll: float,
+    C_r: float,
     stiffness: float,
     damping: float,
 ) -> tuple[float, float, float, float, float, float]:
@@ -162,11 +163,11 @@ def _joint_audit(
     The arguments are those of `joint_force`.
     """
     distance = math.hypot(e[0], e[1])
-    penetration = distance - w.C_r
+    penetration = distance - C_r
     if damping < 0.0 or penetration <= 0.0:
         return penetration, 0.0, 0.0, 0.0, 0.0, 0.0
     f_x, f_y, tangential = joint_force(
-        w, e[0], e[1], e_rate[0], e_rate[1], roll, stiffness, damping
+        w, e[0], e[1], e_rate[0], e_rate[1], roll, C_r, stiffness, damping
     )
     n_x = e[0] / distance
     n_y = e[1] / distance
@@ -190,9 +191,12 @@ def _joints_audit(
     d = directions(q)
     e = eccentricities(w, q, d)
     r = eccentricity_rates(w, v, d)
-    roll = w.R_j * v[3]
-    B = _joint_audit(w, (e[0], e[1]), (r[0], r[1]), roll - w.R_b * v[0], w.K_B, damping_B)
-    return B, _joint_audit(w, (e[2], e[3]), (r[2], r[3]), roll, w.K_C, damping_C)
+    roll_B = w.R_j_B * v[3] - w.R_b * v[0]
+    roll_C = w.R_j_C * v[3]
+    return (
+        _joint_audit(w, (e[0], e[1]), (r[0], r[1]), roll_B, w.C_r_B, w.K_B, damping_B),
+        _joint_audit(w, (e[2], e[3]), (r[2], r[3]), roll_C, w.C_r_C, w.K_C, damping_C),
+    )
 
 
 def _build(source: int) -> Callable[..., Any]:

@@ -7,6 +7,7 @@ governed by how sharply the onset of a contact, and its velocity, are taken.
 """
 
 import math
+from typing import NamedTuple
 
 from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.events import (
@@ -20,7 +21,15 @@ from uqfold.mechanism.events import (
     within,
 )
 from uqfold.mechanism.loads import drive_force, next_drive_corner
-from uqfold.mechanism.motion import Five, Four, accelerations, directions, gaps, turned
+from uqfold.mechanism.motion import (
+    LARGEST_TURN,
+    Five,
+    Four,
+    accelerations,
+    directions,
+    gaps,
+    turned,
+)
 from uqfold.mechanism.wing import WingConstants
 
 RUNNING, LOCKED, TIMED_OUT, FAILED = 0, 1, 2, 3
@@ -29,12 +38,18 @@ FIRST_STEP = 1e-4
 """First time step tried (s)."""
 
 _LARGEST_STEP = 5e-3
-_SMALLEST_STEP = 1e-13
+SMALLEST_STEP = 1e-13
+"""Time step (s) below which an integration has failed."""
+
 # Errors of velocities count as errors of positions over this time (s), about that in which
 # contact vibration turns the one into the other.
 _VIBRATION_TIME = 1 / 3000
 _SAFETY = 0.85
-_LARGEST_GROWTH = 5.0
+# A smaller local error (in units of the tolerance) lets the time step grow no further.
+_NO_ERROR = 1e-12
+LARGEST_GROWTH = 5.0
+"""Largest growth from one time step to the next, unless the latter is a repetition."""
+
 _LARGEST_CUT = 0.1
 
 
@@ -75,7 +90,21 @@ def _size(w: WingConstants, x: Five, y: Five) -> float:
 
 
 @inlined
-def runge_kutta(w: WingConstants, start: State, h: float) -> tuple[Five, Five, Five, Four, float]:
+def _largest(x: float, y: float) -> float:
+    """Return the larger one; `x` if it is NaN."""
+    return y if y > x else x
+
+
+@inlined
+def _largest_turn(q: Five, q_new: Five) -> float:
+    """Return the larger turn of crank and rod between two poses (rad)."""
+    return _largest(abs(q_new[0] - q[0]), abs(q_new[3] - q[3]))
+
+
+@inlined
+def _runge_kutta(
+    w: WingConstants, start: State, h: float, tolerance: float
+) -> tuple[Five, Five, Five, Four, float]:
     """Take one step without events.
 
     Parameters
@@ -86,11 +115,15 @@ def runge_kutta(w: WingConstants, start: State, h: float) -> tuple[Five, Five, F
         State at the beginning of the step.
     h : float
         Length of the step (s); the drive has no corner within it.
+    tolerance : float
+        Local error allowed (m).
 
     Returns
     -------
     tuple
-        Coordinates, velocities, accelerations and directions at the end, and the local error (m).
+        Coordinates, velocities, accelerations and directions at the end, and the local error over
+        the tolerance; a turn beyond `LARGEST_TURN`, up to which directions are followed, counts as
+        such an error too.
     """
     _, q, v, a, d, _, z_B, z_C = start
     drive = drive_force(start.t + 0.5 * h, w.k_d)
@@ -108,8 +141,9 @@ def runge_kutta(w: WingConstants, start: State, h: float) -> tuple[Five, Five, F
     v_1 = _shift(v, h, _weighted(a, a_2, a_3, a_4))
     d_1 = turned(d, q, q_1)
     a_1 = accelerations(w, q_1, v_1, d_1, z_B, z_C, drive)
-    error = 0.1 * h * (_size(w, v_4, v_1) + _VIBRATION_TIME * _size(w, a_4, a_1))
-    return q_1, v_1, a_1, d_1, error
+    error = 0.1 * h * (_size(w, v_4, v_1) + _VIBRATION_TIME * _size(w, a_4, a_1)) / tolerance
+    turn = _largest(_largest_turn(q, q_4), _largest_turn(q, q_1)) * (1 / LARGEST_TURN)
+    return q_1, v_1, a_1, d_1, _largest(error, turn * turn * turn * turn)
 
 
 @kernel
@@ -129,7 +163,7 @@ def _switched(w: WingConstants, damping: float, onset_velocity: float) -> float:
     """
     if damping >= 0.0:
         return -1.0
-    return w.damping / max(onset_velocity, w.onset_velocity_floor)
+    return w.hysteresis / max(onset_velocity, w.onset_velocity_floor)
 
 
 @kernel
@@ -137,7 +171,7 @@ def _cut(w: WingConstants, step: Step, s: float, switch_B: bool, switch_C: bool)
     """State at the fraction `s` of a step, where contacts begin or end."""
     t = step.start.t + s * step.h
     q, v = within(step, s)
-    d = directions(q)
+    d = turned(step.start.d, step.start.q, q)
     g = gaps(w, q, v, d)
     z_B = step.start.damping_B
     z_C = step.start.damping_C
@@ -148,6 +182,86 @@ def _cut(w: WingConstants, step: Step, s: float, switch_B: bool, switch_C: bool)
     return State(
         t, q, v, accelerations(w, q, v, d, z_B, z_C, drive_force(t, w.k_d)), d, g, z_B, z_C
     )
+
+
+class Attempt(NamedTuple):
+    """A time step of length `taken` (s) as if nothing happened in it, accepted or not.
+
+    It leads to `end` with the local error `error` (in units of the tolerance), lands on the next
+    corner of the drive or not, and proposes the next time step `h` (s), should it be accepted.
+    """
+
+    end: State
+    taken: float
+    lands: bool
+    error: float
+    h: float
+
+
+@inlined
+def attempt(
+    w: WingConstants, start: State, h: float, growth: float, corner: float, tolerance: float
+) -> Attempt:
+    """Try one time step. No branch and no library function: lanes run it packed.
+
+    Parameters
+    ----------
+    w : WingConstants
+        The wing.
+    start : State
+        Where the motion stands.
+    h : float
+        Time step to try (s).
+    growth : float
+        Largest growth from this time step to the next.
+    corner : float
+        Next corner of the drive, or the end of time (s).
+    tolerance : float
+        Local error allowed per step (m).
+
+    Returns
+    -------
+    Attempt
+        The step, to be accepted if its error is at most 1.
+    """
+    h = h if h < _LARGEST_STEP else _LARGEST_STEP
+    # a hair's breadth more is taken in, rather than left over as a tiny step
+    lands = start.t + 1.0001 * h >= corner
+    taken = corner - start.t if lands else h
+    q, v, a, d, error = _runge_kutta(w, start, taken, tolerance)
+    t = corner if lands else start.t + taken
+    end = State(t, q, v, a, d, gaps(w, q, v, d), start.damping_B, start.damping_C)
+    factor = _SAFETY / math.sqrt(math.sqrt(_largest(error, _NO_ERROR)))
+    next_h = taken * (factor if factor < growth else growth)
+    return Attempt(end, taken, lands, error, h if lands and h > next_h else next_h)
+
+
+@inlined
+def shortened(taken: float, error: float) -> float:
+    """Time step (s) to try after one of length `taken` had too large an error, or NaN."""
+    if error < math.inf:
+        return taken * max(_SAFETY / math.sqrt(math.sqrt(error)), _LARGEST_CUT)
+    return taken * _LARGEST_CUT
+
+
+@kernel
+def settle(w: WingConstants, start: State, end: State, taken: float) -> tuple[State, int]:
+    """Cut an accepted time step at the first event within it.
+
+    Returns
+    -------
+    tuple
+        New state, and status: RUNNING, LOCKED or TIMED_OUT.
+    """
+    step = Step(start, taken, end.q, end.v, end.a, end.gaps)
+    s_B = switch_fraction(w, step, JOINT_B, start.damping_B)
+    s_C = switch_fraction(w, step, JOINT_C, start.damping_C)
+    s_lock = lock_fraction(w, step) if end.q[4] >= w.x_lock else NOT_IN_STEP
+    s = min(s_B, s_C, s_lock)
+    if s < NOT_IN_STEP:
+        cut = _cut(w, step, s, s_B == s < s_lock, s_C == s < s_lock)
+        return cut, LOCKED if s == s_lock else RUNNING
+    return end, TIMED_OUT if end.t >= w.t_max else RUNNING
 
 
 @inlined
@@ -171,36 +285,14 @@ def advance(w: WingConstants, start: State, h: float, tolerance: float) -> tuple
         New state, time step to try next (s), and status: RUNNING, LOCKED, TIMED_OUT or FAILED.
     """
     corner = next_drive_corner(start.t, w.t_max)
-    rejected = False
+    growth = LARGEST_GROWTH
     while True:
-        h = min(h, _LARGEST_STEP)
-        # a hair's breadth more is taken in, rather than left over as a tiny step
-        lands = start.t + 1.0001 * h >= corner
-        taken = corner - start.t if lands else h
-        q, v, a, d, error = runge_kutta(w, start, taken)
-        factor = _LARGEST_GROWTH
-        if error != 0.0:
-            factor = min(factor, _SAFETY / math.sqrt(math.sqrt(error / tolerance)))
-        if error <= tolerance:
+        tried = attempt(w, start, h, growth, corner, tolerance)
+        if tried.error <= 1.0:
             break
-        rejected = True
-        h = taken * max(factor, _LARGEST_CUT) if error < math.inf else taken * _LARGEST_CUT
-        if h < _SMALLEST_STEP:
+        h = shortened(tried.taken, tried.error)
+        if h < SMALLEST_STEP:
             return start, h, FAILED
-    if rejected:
-        factor = min(factor, 1.0)
-    h = max(h, taken * factor) if lands else taken * factor
-
-    step = Step(start, taken, q, v, a, gaps(w, q, v, d))
-    s_B = switch_fraction(w, step, JOINT_B, start.damping_B)
-    s_C = switch_fraction(w, step, JOINT_C, start.damping_C)
-    s = min(s_B, s_C)
-    if q[4] >= w.x_lock:
-        s_lock = lock_fraction(w, step)
-        if s_lock <= s:
-            return _cut(w, step, s_lock, False, False), h, LOCKED
-    if s < NOT_IN_STEP:
-        return _cut(w, step, s, s_B == s, s_C == s), h, RUNNING
-    t = corner if lands else start.t + taken
-    end = State(t, q, v, a, d, step.gaps, start.damping_B, start.damping_C)
-    return end, h, TIMED_OUT if t >= w.t_max else RUNNING
+        growth = 1.0
+    state, status = settle(w, start, tried.end, tried.taken)
+    return state, tried.h, status

@@ -1,16 +1,23 @@
 """What the kernels know of one wing: plain numbers worked out once before the motion starts."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from uqfold.mechanism.compiled import kernel
-from uqfold.mechanism.contact import hertz_stiffness
+from uqfold.mechanism.contact import hertz_stiffness, hysteresis_factor
 from uqfold.mechanism.loads import drag_coefficient, gravity_force
-from uqfold.mechanism.parameters import WingParameters
+from uqfold.mechanism.parameters import WingParameters, spread
 
 
 class SharedParameters(NamedTuple):
-    """The fields of `WingParameters` that all samples of a batch share."""
+    """The fields of `WingParameters` that all samples of a batch share.
+
+    Named choices come as what the kernels need of them: `hysteresis` is the factor of the contact
+    law, `material` whether the tangential velocity is that of the material points.
+    """
 
     w_1: float
     rho_1: float
@@ -23,15 +30,19 @@ class SharedParameters(NamedTuple):
     rho_a: float
     g: float
     R_b: float
-    C_e: float
-    E_1: float
-    nu_1: float
-    E_2: float
-    nu_2: float
+    E_b_B: float
+    nu_b_B: float
+    E_j_B: float
+    nu_j_B: float
+    E_b_C: float
+    nu_b_C: float
+    E_j_C: float
+    nu_j_C: float
     C_f: float
     friction_v_0: float
     friction_v_1: float
     onset_velocity_floor: float
+    hysteresis: float
     material: bool
     theta_1_initial: float
     x_lock: float
@@ -44,8 +55,10 @@ class SampleParameters(NamedTuple):
     V_q: float
     delta: float
     k_d: float
-    b: float
-    C_r: float
+    b_1: float
+    b_2: float
+    C_r_B: float
+    C_r_C: float
     l_1: float
     l_2: float
 
@@ -57,17 +70,20 @@ class WingConstants(NamedTuple):
     half_l_1: float
     half_l_2: float
     c: float
-    C_r: float
-    inverse_C_r: float
+    C_r_B: float
+    C_r_C: float
+    inverse_C_r_B: float
+    inverse_C_r_C: float
     R_b: float
-    R_j: float
+    R_j_B: float
+    R_j_C: float
     inverse_J_A: float
     inverse_m_2: float
     inverse_J_2: float
     inverse_m_3: float
     K_B: float
     K_C: float
-    damping: float
+    hysteresis: float
     onset_velocity_floor: float
     C_f: float
     v_0: float
@@ -85,49 +101,95 @@ class WingConstants(NamedTuple):
 
 def shared_parameters(parameters: WingParameters) -> SharedParameters:
     """Return the part of a record that the samples of a batch share."""
-    numbers = {name: getattr(parameters, name) for name in SharedParameters._fields[:20]}
-    return SharedParameters(
-        **numbers,
-        material=parameters.tangential_velocity == "material",
-        theta_1_initial=parameters.theta_1_initial,
-        x_lock=parameters.x_lock,
-        t_max=parameters.t_max,
-    )
+    translated: dict[str, Any] = {
+        "hysteresis": hysteresis_factor(parameters.contact_law, parameters.C_e),
+        "material": parameters.tangential_velocity == "material",
+    }
+    for name in SharedParameters._fields:
+        if name not in translated:
+            translated[name] = getattr(parameters, name)
+    return SharedParameters(**translated)
+
+
+def sample_parameters(parameters: WingParameters) -> SampleParameters:
+    """Return the part of a record that may differ between the samples of a batch."""
+    return SampleParameters(*(getattr(parameters, name) for name in SampleParameters._fields))
+
+
+def sample_table(
+    parameters: WingParameters, given: dict[str, ArrayLike | None]
+) -> NDArray[np.float64]:
+    """Return the samples as rows, with the columns of `SampleParameters`.
+
+    Parameters
+    ----------
+    parameters : WingParameters
+        Values of what is not given.
+    given : dict
+        Values per sample by name, None where there are none; a name that stands for several fields
+        of `SampleParameters` (see `spread`) gives all of them.
+
+    Returns
+    -------
+    ndarray, shape (n, len(SampleParameters))
+        One row per sample.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit, or a field is given twice.
+    """
+    values_of = spread({name: values for name, values in given.items() if values is not None})
+    columns = {}
+    for name in SampleParameters._fields:
+        column = np.asarray(values_of.get(name, getattr(parameters, name)), dtype=float)
+        if column.ndim > 1:
+            raise ValueError(
+                f"{name} has shape {column.shape}: give a scalar or an array of shape (n,)"
+            )
+        columns[name] = np.atleast_1d(column)
+    lengths = {name: len(column) for name, column in columns.items() if len(column) != 1}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(f"the lengths differ, {lengths}: give scalars or arrays of one length")
+    return np.column_stack(np.broadcast_arrays(*columns.values()))
 
 
 @kernel
 def wing_constants(f: SharedParameters, p: SampleParameters) -> WingConstants:
     """Masses (19), joint stiffness (6), drag (14) and weights (16) of one wing."""
-    m_1 = f.rho_1 * p.l_1 * f.w_1 * p.b
-    m_2 = f.rho_2 * p.l_2 * f.w_2 * p.b
+    m_1 = f.rho_1 * p.l_1 * f.w_1 * p.b_1
+    m_2 = f.rho_2 * p.l_2 * f.w_2 * p.b_2
     m_3 = f.rho_3 * f.V_3
     J_1 = m_1 * (p.l_1 * p.l_1 + f.w_1 * f.w_1) / 12.0
     J_2 = m_2 * (p.l_2 * p.l_2 + f.w_2 * f.w_2) / 12.0
-    R_j = f.R_b - p.C_r
+    R_j_B = f.R_b - p.C_r_B
+    R_j_C = f.R_b - p.C_r_C
     return WingConstants(
         p.l_1,
         0.5 * p.l_1,
         0.5 * p.l_2,
         f.c,
-        p.C_r,
-        1.0 / p.C_r,
+        p.C_r_B,
+        p.C_r_C,
+        1.0 / p.C_r_B,
+        1.0 / p.C_r_C,
         f.R_b,
-        R_j,
+        R_j_B,
+        R_j_C,
         1.0 / (J_1 + m_1 * (0.5 * p.l_1) ** 2),
         1.0 / m_2,
         1.0 / J_2,
         1.0 / m_3,
-        # B: crank on rod, both aluminium; C: steel slider on aluminium rod
-        hertz_stiffness(f.R_b, R_j, f.E_1, f.nu_1, f.E_1, f.nu_1),
-        hertz_stiffness(f.R_b, R_j, f.E_2, f.nu_2, f.E_1, f.nu_1),
-        0.75 * (1.0 - f.C_e * f.C_e),
+        hertz_stiffness(f.R_b, R_j_B, f.E_b_B, f.nu_b_B, f.E_j_B, f.nu_j_B),
+        hertz_stiffness(f.R_b, R_j_C, f.E_b_C, f.nu_b_C, f.E_j_C, f.nu_j_C),
+        f.hysteresis,
         f.onset_velocity_floor,
         f.C_f,
         f.friction_v_0,
         1.0 / (f.friction_v_1 - f.friction_v_0),
         f.material,
-        drag_coefficient(f.rho_a, f.C_0, p.b, p.l_1, p.V_q),
-        drag_coefficient(f.rho_a, f.C_0, p.b, p.l_2, p.V_q),
+        drag_coefficient(f.rho_a, f.C_0, p.b_1, p.l_1, p.V_q),
+        drag_coefficient(f.rho_a, f.C_0, p.b_2, p.l_2, p.V_q),
         gravity_force(m_1, f.g, p.delta),
         gravity_force(m_2, f.g, p.delta),
         gravity_force(m_3, f.g, p.delta),
@@ -156,7 +218,9 @@ def is_possible(f: SharedParameters, p: SampleParameters) -> bool:
     for value in p:
         if not math.isfinite(value):
             return False
-    if p.V_q < 0.0 or p.C_r >= f.R_b or min(p.b, p.C_r, p.l_1, p.l_2) <= 0.0:
+    if p.V_q < 0.0 or max(p.C_r_B, p.C_r_C) >= f.R_b:
+        return False
+    if min(p.b_1, p.b_2, p.C_r_B, p.C_r_C, p.l_1, p.l_2) <= 0.0:
         return False
     rise = p.l_1 * math.sin(f.theta_1_initial) + f.c
     if abs(rise) >= p.l_2:

@@ -1,0 +1,102 @@
+"""The wings that the checks run through: Tables 1, 6, 8, 9 and 10 and their 3-sigma corners."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+from uqfold.mechanism import WingParameters
+
+# name -> (mean, standard deviation) in SI units, angles in radians
+TABLE_6: dict[str, tuple[float, float]] = {
+    "V_q": (140.0, 10.0),
+    "delta": (0.0, math.radians(5.0)),
+    "k_d": (550.0, 10.0),
+    "b": (0.007, 0.00025),
+    "C_r": (0.0015, 0.00005),
+}
+TABLE_10: dict[str, tuple[float, float]] = {
+    "V_q": (200.0, 25.0),
+    "delta": (0.0, math.radians(25.0)),
+    "k_d": (1100.0, 10.0),
+    "b": (0.006, 0.00025),
+    "C_r": (0.0015, 0.00005),
+    "l_1": (1.5, 0.002),
+    "l_2": (1.3, 0.002),
+}
+# the conditions 1 to 10 (means) and 11 to 20 (standard deviations) of Tables 8 and 9
+TABLE_8: tuple[tuple[str, float], ...] = (
+    ("V_q", 100.0),
+    ("V_q", 180.0),
+    ("delta", math.radians(30.0)),
+    ("delta", math.radians(-30.0)),
+    ("b", 0.006),
+    ("b", 0.008),
+    ("k_d", 600.0),
+    ("k_d", 500.0),
+    ("C_r", 0.002),
+    ("C_r", 0.001),
+)
+TABLE_9: tuple[tuple[str, float], ...] = (
+    ("V_q", 1.0),
+    ("V_q", 20.0),
+    ("delta", math.radians(1.0)),
+    ("delta", math.radians(20.0)),
+    ("b", 0.00001),
+    ("b", 0.0005),
+    ("k_d", 1.0),
+    ("k_d", 30.0),
+    ("C_r", 0.000005),
+    ("C_r", 0.0002),
+)
+
+
+def means(table: Mapping[str, tuple[float, float]]) -> WingParameters:
+    """Give the wing at the means of a table; what the table does not name is as in Table 1."""
+    return WingParameters(**{name: mean for name, (mean, _) in table.items()})
+
+
+def corners(
+    table: Mapping[str, tuple[float, float]], free: int
+) -> Iterator[tuple[str, WingParameters]]:
+    """Give corners at 3 standard deviations from the means, as a two-level fractional factorial.
+
+    The first `free` variables take all sign combinations. Each further one takes the product of
+    the signs of the free ones without one of them, and the last variable of all the product of
+    all free ones.
+    """
+    names = list(table)
+    for signs in product((-1, 1), repeat=free):
+        levels = list(signs)
+        for k in range(len(names) - free - 1):
+            levels.append(math.prod(signs[:k] + signs[k + 1 :]))
+        levels.append(math.prod(signs))
+        values = {
+            name: table[name][0] + 3.0 * sign * table[name][1]
+            for name, sign in zip(names, levels, strict=True)
+        }
+        label = "".join("+" if sign > 0 else "-" for sign in levels)
+        yield label, WingParameters(**values)
+
+
+def parameter_sets() -> dict[str, WingParameters]:
+    """Give all sets by name."""
+    six, ten = means(TABLE_6), means(TABLE_10)
+    sets = {
+        "table 1": WingParameters(),
+        "table 6": six,
+        "table 10": ten,
+        "table 1, material": WingParameters(tangential_velocity="material"),
+        "table 6, material": six.replace(tangential_velocity="material"),
+        "table 10, material": ten.replace(tangential_velocity="material"),
+    }
+    sets |= {f"table 6 corner {label}": wing for label, wing in corners(TABLE_6, 4)}
+    for number, (name, mean) in enumerate(TABLE_8, start=1):
+        sets[f"table 8 condition {number}"] = six.replace(**{name: mean})
+    for number, (name, sigma) in enumerate(TABLE_9, start=11):
+        for sign, word in ((-1, "low"), (1, "high")):
+            value = TABLE_6[name][0] + 3.0 * sign * sigma
+            sets[f"table 9 condition {number} {word}"] = six.replace(**{name: value})
+    sets |= {f"table 10 corner {label}": wing for label, wing in corners(TABLE_10, 3)}
+    return sets
