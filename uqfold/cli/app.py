@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import shlex
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import typer
 import uqfold
 from uqfold.cli.interrupts import Interrupts
 from uqfold.comparison.cases import available_cases, named_case
+from uqfold.evaluation.errors import EngineError
 
 if TYPE_CHECKING:
     from uqfold.evaluation.evaluator import FailedRunPolicy
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 
 BATCH_ROWS = 1024
-"""Runs between two looks at the progress bar and at Ctrl-C; has no influence on any number."""
+"""Runs in this process between two looks at Ctrl-C; has no influence on any number."""
 
 _CASES = "\n".join(f"  {case.name:<14}{case.description}" for case in available_cases().values())
 
@@ -49,6 +51,7 @@ Examples:
   uqfold compare series --method ffni-spa --method mc --threshold 2 --threshold 4
   uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04 --missions 1,5
   uqfold compare folding-wing --missions 10:0.7 --max-evals 5000 --seed 7 --out results
+  uqfold compare folding-wing --method mc --max-evals 8000000 --store wing.db
 """
 
 _METHODS_HELP = """List the methods that can be compared.
@@ -158,16 +161,37 @@ def compare_methods(
             help="What a failed model run means: bound, count-as-failure or raise.",
         ),
     ] = "bound",
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Keep model runs in this file and reuse those in it; resumes what was killed.",
+        ),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Run the model on a Dask cluster, as in tcp://..."),
+    ] = None,
+    max_seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Wall-clock limit of each method. Default: none."),
+    ] = None,
+    progress: Annotated[
+        str,
+        typer.Option(
+            metavar="KIND", help="bar (on terminals only), or json: lines on the standard error."
+        ),
+    ] = "bar",
 ) -> None:
     """Compare methods on a case."""
     chosen = _usage(named_case, case)
     problem = chosen.problem()
 
     from uqfold.cli.compare import ComparisonSession
-    from uqfold.cli.words import chosen_criteria, listed
+    from uqfold.cli.words import chosen_criteria, chosen_word, listed
     from uqfold.comparison.header import shown_command
     from uqfold.comparison.run import ComparisonPlan, plan_comparison
-    from uqfold.evaluation import Evaluator
+    from uqfold.evaluation import Dask, Evaluator
     from uqfold.problems.criterion import Criteria
 
     def plan() -> ComparisonPlan:
@@ -177,12 +201,17 @@ def compare_methods(
             chosen_criteria(Criteria(problem.default_criteria or ()), threshold, tau, missions),
             max_evals=chosen.max_evals if max_evals is None else max_evals,
             rng=seed,
-            # the evaluator itself refuses other policies
             evaluator=Evaluator(
-                failed_runs=cast("FailedRunPolicy", failed_runs), batch_rows=BATCH_ROWS
+                # the evaluator itself refuses other policies
+                failed_runs=cast("FailedRunPolicy", failed_runs),
+                batch_rows=BATCH_ROWS if cluster is None else None,
+                store=store,
+                executor=None if cluster is None else Dask(cluster),
+                max_seconds=max_seconds,
             ),
         )
 
+    kind = _usage(chosen_word, progress, "progress", ("bar", "json"))
     planned = _usage(plan)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
@@ -197,6 +226,8 @@ def compare_methods(
         invocation.interrupts,
         figures=not no_figures,
         quiet=quiet,
+        progress_lines=kind == "json",
+        resume=shlex.join(["uqfold", *invocation.words]),
     )
     raise typer.Exit(session.run())
 
@@ -216,5 +247,5 @@ def _usage(check: Callable[..., Value], *arguments: object) -> Value:
     """Turn what a check has against the user's words into a usage error."""
     try:
         return check(*arguments)
-    except ValueError as error:
+    except (ValueError, EngineError) as error:
         raise typer.BadParameter(str(error)) from error

@@ -18,11 +18,12 @@ from uqfold.cli.interrupts import Interrupts
 from uqfold.comparison.header import RunHeader
 from uqfold.comparison.records import Records, write_records
 from uqfold.comparison.run import ComparisonPlan, run_comparison
-from uqfold.evaluation import FailedRunError
+from uqfold.evaluation import EngineError, FailedRunError, Store
 from uqfold.problems.base import Problem
 from uqfold.report.figures import figure_paths, write_figures
 from uqfold.report.layout import hanging
 from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
+from uqfold.report.progress_lines import ProgressLines
 from uqfold.report.table import ComparisonTable
 
 PIPED_WIDTH = 120
@@ -50,6 +51,10 @@ class ComparisonSession:
         Whether to draw figures.
     quiet
         Whether to print nothing but errors.
+    progress_lines
+        Whether to write progress as lines of JSON instead of a bar.
+    resume
+        The words that start this comparison again, for whoever interrupted it.
     """
 
     plan: ComparisonPlan
@@ -58,6 +63,8 @@ class ComparisonSession:
     interrupts: Interrupts
     figures: bool = True
     quiet: bool = False
+    progress_lines: bool = False
+    resume: str = ""
     records: Records = field(init=False)
     _written: list[Path] = field(default_factory=list, init=False)
 
@@ -76,7 +83,7 @@ class ComparisonSession:
         except KeyboardInterrupt:
             self._say_interrupted()
             code = EXIT_INTERRUPTED
-        except FailedRunError as error:
+        except (FailedRunError, EngineError) as error:
             _say(f"error: {error}")
             code = EXIT_FAILED
         if self.records.rows:
@@ -91,13 +98,19 @@ class ComparisonSession:
         terminal = Console(stderr=True, quiet=self.quiet)
         with notice_if_slow(COMPILING, terminal):
             _run_once(self.plan.problem)
-        with ComparisonProgressBar(list(self.plan.methods), terminal) as bar:
+        labels = list(self.plan.methods)
+        with (
+            ProgressLines(sys.stderr)
+            if self.progress_lines
+            else ComparisonProgressBar(labels, terminal)
+        ) as bar:
+            plan = replace(self.plan, evaluator=replace(self.plan.evaluator, watch=bar.watch))
 
             def progress(label: str, n_evals: int, expected: int | None) -> None:
                 self.interrupts.check()
                 bar(label, n_evals, expected)
 
-            for run in run_comparison(self.plan, progress):
+            for run in run_comparison(plan, progress):
                 # what was interrupted may look finished where a library swallowed the interruption
                 self.interrupts.check()
                 self._save(run.rows)
@@ -129,6 +142,10 @@ class ComparisonSession:
                 f"{shown_path(self.folder)}: {', '.join(finished)}"
             )
         _say(said)
+        store = self.plan.evaluator.store
+        if isinstance(store, Store):
+            kept = f"{len(store):,} model runs are kept in {shown_path(store.path)}"
+            _say(f"{kept}; to go on from there: {self.resume}")
 
 
 def _say(text: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
 from uqfold.problems.criterion import Binomial, Criteria, Missions, criteria
@@ -45,6 +45,19 @@ def mission_profile(word: str, option: str) -> Missions:
     if match is None:
         raise ValueError(f"--{option} {word}: give a whole number, or PLANNED:P as in 10:0.7")
     return Binomial(int(match[1]), number(match[2], option))
+
+
+def chosen_word(word: str, option: str, choices: Sequence[str]) -> str:
+    """Give a word that has to be one of some choices.
+
+    Raises
+    ------
+    ValueError
+        If it is none of them.
+    """
+    if word not in choices:
+        raise ValueError(f"--{option} {word}: choose from {', '.join(choices)}")
+    return word
 
 
 def listed(words: Iterable[str]) -> list[str]:

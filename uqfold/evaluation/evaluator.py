@@ -1,39 +1,32 @@
-"""The one door through which every method gets its model values.
-
-The evaluator counts runs per sample, keeps the budget, checks what the model returns, applies the
-policy for failed runs, and reports progress. A method sees only `EvaluationSession.evaluate`.
-"""
+"""The one door through which every method gets its model values, and how it is set up."""
 
 from __future__ import annotations
 
-import sys
+import concurrent.futures
+import math
+import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Literal, get_args
 
-import numpy as np
-
-from uqfold.typing import FloatArray, Model
+from uqfold.evaluation.batch import RowModel
+from uqfold.evaluation.executors import Executor, Futures, InProcess
+from uqfold.evaluation.identity import model_identity
+from uqfold.evaluation.running import RunningEstimate
+from uqfold.evaluation.session import EvaluationSession
+from uqfold.evaluation.shelf import Shelf
+from uqfold.evaluation.store import Store
+from uqfold.problems.base import Problem
+from uqfold.typing import Model
 
 FailedRunPolicy = Literal["raise", "count-as-failure", "bound"]
 ProgressCallback = Callable[[int, int | None], None]
 
-BATCH_ROWS = 4096
-GIVE_UP_AFTER = 64
-"""A model whose first runs all fail is given up after this many."""
-
-
-class BudgetExceededError(RuntimeError):
-    """A method asked for more runs than `max_evals` allows."""
-
-
-class FailedRunError(RuntimeError):
-    """A model run failed under the policy ``raise``, or every run of the model fails."""
-
 
 @dataclass(frozen=True)
 class Evaluator:
-    """How model runs are made: policy for failed runs, batch size, progress.
+    """How model runs are made.
 
     Attributes
     ----------
@@ -42,150 +35,106 @@ class Evaluator:
         runs as safe, and all as failed. ``count-as-failure``: a failed run has response +inf.
         ``raise``: the first failed run ends the whole estimate with `FailedRunError`.
     batch_rows
-        Rows handed to the model at once.
+        Rows handed to the model at once, and at most lost when the program is killed. None: 1
+        for a model of one sample at a time, else 4096 in this process, 16 to 256 in workers. A
+        multiple of 64 finds stored runs whatever it was when they were made.
     progress
         Called with (runs so far, runs expected or None) after every batch.
+    watch
+        Called with a `RunningEstimate` by methods that have one.
+    store
+        Where responses are kept and looked up: a `Store`, or the path of its file. The problem
+        has to state the version of its model; without one nothing is stored, and a warning says
+        so.
+    executor
+        Where runs are made: `Processes`, `Dask`, or any `concurrent.futures.Executor`. None: in
+        this process; the runs of an `ExternalCode` in as many threads as it asks for.
+    max_seconds
+        Wall-clock limit of one estimate. Once it is over no more runs are started; methods that
+        can, answer with what they have (status ``budget_exhausted``).
+    seconds_per_run
+        Time limit of one run, which fails when it takes longer: with `Processes` or an
+        `ExternalCode`. What cannot end a run refuses it.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a setting is out of range.
+    StoreError
+        If the store is no store, or damaged.
     """
 
     failed_runs: FailedRunPolicy = "bound"
-    batch_rows: int = BATCH_ROWS
+    batch_rows: int | None = None
     progress: ProgressCallback | None = None
+    watch: Callable[[RunningEstimate], None] | None = None
+    store: Store | str | PathLike[str] | None = None
+    executor: Executor | concurrent.futures.Executor | None = None
+    max_seconds: float | None = None
+    seconds_per_run: float | None = None
 
     def __post_init__(self) -> None:
         if self.failed_runs not in get_args(FailedRunPolicy):
             raise ValueError(
                 f"failed_runs = {self.failed_runs!r}: choose from {get_args(FailedRunPolicy)}"
             )
-        if self.batch_rows < 1:
-            raise ValueError(f"batch_rows = {self.batch_rows}: give at least 1")
+        if self.batch_rows is not None and self.batch_rows < 1:
+            raise ValueError(f"batch_rows = {self.batch_rows}: give at least 1, or None")
+        for name in ("max_seconds", "seconds_per_run"):
+            seconds = getattr(self, name)
+            if seconds is not None and not 0.0 < seconds < math.inf:
+                raise ValueError(f"{name} = {seconds}: give a positive number of seconds, or None")
+        if isinstance(self.store, str | PathLike):
+            object.__setattr__(self, "store", Store(self.store))
+        if isinstance(self.executor, concurrent.futures.Executor):
+            object.__setattr__(self, "executor", Futures(self.executor))
+        if not (self.executor is None or isinstance(self.executor, Executor)):
+            raise TypeError(
+                f"executor = {self.executor!r}: give uqfold.evaluation.Processes(), Dask(...), or "
+                "a concurrent.futures.Executor"
+            )
 
-    def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
-        """Open the counted access to `model` for one estimate."""
-        return EvaluationSession(self, model, dimension, max_evals)
-
-
-@dataclass
-class EvaluationSession:
-    """Counted, budgeted access to one model during one estimate.
-
-    Attributes
-    ----------
-    n_evals
-        Runs asked for so far, one per row.
-    n_failed
-        How many of them failed.
-    first_failure
-        What the first failed run looked like, for messages; empty if none failed.
-    expected
-        Runs that the method expects to need in all, for the progress display.
-    """
-
-    settings: Evaluator
-    model: Model
-    dimension: int
-    max_evals: int | None
-    n_evals: int = 0
-    n_failed: int = 0
-    first_failure: str = ""
-    expected: int | None = None
-    _n_good: int = field(default=0, repr=False)
-
-    @property
-    def remaining(self) -> int:
-        """Runs that the budget still allows (a very large number without a budget)."""
-        return sys.maxsize if self.max_evals is None else self.max_evals - self.n_evals
-
-    def evaluate(self, x: FloatArray) -> FloatArray:
-        """Run the model on every row.
-
-        Parameters
-        ----------
-        x
-            Inputs (n, d), columns shared inputs first.
-
-        Returns
-        -------
-        FloatArray
-            Responses (n,). +-inf are valid responses; NaN marks a failed run and occurs only
-            under the policy ``bound``.
+    def open(self, problem: Problem, max_evals: int | None) -> EvaluationSession:
+        """Open the counted access to a problem's model for one estimate.
 
         Raises
         ------
-        BudgetExceededError
-            If fewer than n runs are left; no run is spent then.
-        FailedRunError
-            If a run fails under the policy ``raise``, or the first 64 runs all fail.
+        ExecutorError
+            If the executor cannot take the model.
         ValueError
-            If `x` has the wrong shape or holds NaN.
+            If `seconds_per_run` cannot be kept.
         """
-        x = self.admit(x)
-        y = np.empty(x.shape[0])
-        for start in range(0, x.shape[0], self.settings.batch_rows):
-            stop = min(start + self.settings.batch_rows, x.shape[0])
-            y[start:stop] = self._batch(x[start:stop])
-            if self.settings.progress is not None:
-                self.settings.progress(self.n_evals, self.expected)
-        return y
-
-    def admit(self, x: FloatArray) -> FloatArray:
-        """Check rows that are to be run, without running them; errors as in `evaluate`."""
-        x = np.ascontiguousarray(x, dtype=np.float64)
-        if x.ndim != 2 or x.shape[1] != self.dimension:
-            raise ValueError(f"X has shape {x.shape}, expected (n, {self.dimension})")
-        if np.isnan(x).any():
-            row = int(np.argmax(np.isnan(x).any(axis=1)))
-            raise ValueError(f"row {row} of X holds NaN: {x[row]}")
-        if x.shape[0] > self.remaining:
-            raise BudgetExceededError(
-                f"{x.shape[0]} more runs asked for, but only {self.remaining} of "
-                f"max_evals = {self.max_evals} are left"
-            )
-        return x
-
-    def _batch(self, x: FloatArray) -> FloatArray:
-        y = self._run(x)
-        failed = np.isnan(y)
-        self.n_evals += x.shape[0]
-        self.n_failed += int(failed.sum())
-        self._n_good += int((~failed).sum())
-        if failed.any():
-            if not self.first_failure:
-                row = int(np.argmax(failed))
-                self.first_failure = f"the model returned NaN at x = {_shown(x[row])}"
-            if self.settings.failed_runs == "raise":
-                raise FailedRunError(self.first_failure)
-            if self._n_good == 0 and self.n_failed >= GIVE_UP_AFTER:
-                raise FailedRunError(
-                    f"all of the first {self.n_failed} runs failed; {self.first_failure}"
+        shelf = None
+        if isinstance(self.store, Store):
+            identity = model_identity(problem)
+            if identity is not None:
+                shelf = Shelf(self.store, identity)
+            else:
+                warnings.warn(
+                    f"nothing is stored: problem {problem.name!r} does not state the version of "
+                    "its model. Give Problem(version=...), and another one whenever it changes",
+                    stacklevel=2,
                 )
-            if self.settings.failed_runs == "count-as-failure":
-                y[failed] = np.inf
-        return y
+        return self._session(problem.model, problem.inputs.dimension, max_evals, shelf)
 
-    def _run(self, x: FloatArray) -> FloatArray:
-        """Responses of one batch; a run that raises or has the wrong shape becomes NaN."""
-        try:
-            return self._called(x)
-        except Exception as error:
-            if x.shape[0] > 1:
-                # one bad row must not take its neighbours with it: halve until it stands alone
-                half = x.shape[0] // 2
-                first = self._run(x[:half])
-                if self._n_good == 0 and half >= GIVE_UP_AFTER and np.isnan(first).all():
-                    return np.full(x.shape[0], np.nan)
-                return np.concatenate([first, self._run(x[half:])])
-            if not self.first_failure:
-                what = f"{type(error).__name__}: {error}"
-                self.first_failure = f"the model raised {what} at x = {_shown(x[0])}"
-            return np.full(1, np.nan)
+    def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
+        """Open the counted access to a bare model, of which nothing is stored."""
+        return self._session(model, dimension, max_evals, None)
 
-    def _called(self, x: FloatArray) -> FloatArray:
-        # the model gets its own copy: what it does to its argument must not reach the method
-        y = np.asarray(self.model(x.copy()), dtype=np.float64)
-        if y.shape != (x.shape[0],):
-            raise ValueError(f"it returned shape {y.shape}, expected ({x.shape[0]},)")
-        return y.copy()
+    def counting_only(self) -> Evaluator:
+        """Give the settings for responses that come from elsewhere: nothing to run or to store."""
+        return replace(self, store=None, executor=None, max_seconds=None, seconds_per_run=None)
+
+    def _session(
+        self, model: Model, dimension: int, max_evals: int | None, shelf: Shelf | None
+    ) -> EvaluationSession:
+        executor = self.executor
+        if not isinstance(executor, Executor):
+            executor = _default_executor(model)
+        return EvaluationSession(self, model, dimension, max_evals, executor, shelf)
 
 
-def _shown(x: FloatArray) -> str:
-    return "[" + ", ".join(f"{value:.6g}" for value in x) + "]"
+def _default_executor(model: Model) -> Executor:
+    if isinstance(model, RowModel) and model.parallel > 1:
+        return Futures(concurrent.futures.ThreadPoolExecutor(model.parallel))
+    return InProcess()

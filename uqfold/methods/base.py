@@ -15,7 +15,13 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
-from uqfold.evaluation import BudgetExceededError, EvaluationSession, Evaluator, FailedRunError
+from uqfold.evaluation import (
+    BudgetExceededError,
+    EngineError,
+    EvaluationSession,
+    Evaluator,
+    FailedRunError,
+)
 from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
 from uqfold.methods.result import (
     NO_ANSWER,
@@ -159,7 +165,7 @@ class ReliabilityMethod(ABC):
         rng
             Seed, `numpy.random.SeedSequence` or `Generator`; reduced to the recorded seed.
         evaluator
-            How runs are made: policy for failed runs, batches, progress.
+            How runs are made: policy for failed runs, store, executor, limits on time, progress.
 
         Returns
         -------
@@ -173,6 +179,8 @@ class ReliabilityMethod(ABC):
             For wrong arguments, before any run is spent.
         FailedRunError
             Only under the policy ``raise`` for failed runs.
+        EngineError
+            If store or executor fail.
         """
         started = time.perf_counter()
         settings = Evaluator() if evaluator is None else evaluator
@@ -193,11 +201,10 @@ class ReliabilityMethod(ABC):
         asked = checked_criteria(problem, criteria)
         budget = checked_budget(max_evals)
         seed = reduced_seed(rng)
-        session = settings.session(
-            problem.model if model is None else model,
-            problem.inputs.dimension,
-            budget,
-        )
+        if model is None:
+            session = settings.open(problem, budget)
+        else:
+            session = settings.counting_only().session(model, problem.inputs.dimension, budget)
         reasons = tuple(self.supports(problem, criterion) for criterion in asked)
         supported = tuple(c for c, reason in zip(asked, reasons, strict=True) if reason is None)
         return OpenRun(asked, reasons, Task(problem, supported, seed, session))
@@ -214,7 +221,7 @@ class ReliabilityMethod(ABC):
         ]
         cost = RunCost(
             n_evals=session.n_evals,
-            n_reused=0,
+            n_reused=session.n_reused,
             n_failed=session.n_failed,
             seconds=seconds,
             method=self.name,
@@ -244,6 +251,8 @@ class ReliabilityMethod(ABC):
     def _failed(self, task: Task, error: Exception) -> Solution:
         """Turn an exception of the hook into a status, or raise it under the policy ``raise``."""
         message = f"{type(error).__name__}: {error}"
+        if isinstance(error, EngineError):
+            raise error
         if isinstance(error, FailedRunError):
             if task.session.settings.failed_runs == "raise":
                 raise error
@@ -278,11 +287,12 @@ def attempt(answer: Callable[[], Estimate]) -> Estimate:
     """Answer one criterion so that its failure leaves the other criteria alone.
 
     For hooks that work criterion by criterion. `FailedRunError` passes, since it concerns the
-    model; running out of budget and any other exception become the row's status.
+    model, and `EngineError`, which concerns store or executor; running out of budget and any other
+    exception become the row's status.
     """
     try:
         return answer()
-    except FailedRunError:
+    except (FailedRunError, EngineError):
         raise
     except BudgetExceededError as error:
         return Estimate.without_answer("failed", f"out of budget before an answer: {error}")

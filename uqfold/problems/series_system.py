@@ -12,11 +12,11 @@ quantities are without unit.
 
 The paper gives no values of T and tau. The default thresholds span failure probabilities from 0.5
 to 3e-7 for one mission; at the default tau = 16 the failure probability falls with T to a plateau
-of 1.2e-3, reached near T = 6. Smaller tau than about 12 leave hardly any climb.
+of 1.2e-3, reached near T = 6.
 
 The references come from integration without sampling: given X1 and X2 the response falls with X3,
 so its conditional distribution is an integral over X2 alone. Their bounds are below 1e-7 of the
-value, and near 1e-12 of it where the failure probability exceeds 1e-8. They are made by
+value, and below 1e-10 of it where the failure probability exceeds 1e-8. They are made by
 ``python validation/references/series.py``.
 """
 

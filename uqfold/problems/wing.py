@@ -12,6 +12,12 @@ Table 6). The references come from simulation of the same mechanism.
 
 from __future__ import annotations
 
+import hashlib
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from uqfold.inputs import normal
@@ -31,6 +37,50 @@ DEFAULT_THRESHOLDS = (0.545, 0.550, 0.555, 0.560, 0.565, 0.570)
 DEFAULT_TAU = (None, 0.04)
 
 
+@dataclass(frozen=True)
+class DeploymentTime:
+    """Deployment time of one wing, in the units of Table 6.
+
+    Attributes
+    ----------
+    parameters
+        The mechanism; its values of V_q, delta, k_d, b and C_r do not matter.
+    """
+
+    parameters: WingParameters
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Give the deployment times (n,) in s of X (n, 5): V_q, delta, k_d, b, C_r."""
+        from uqfold.mechanism import deployment_times
+
+        return deployment_times(self.parameters, **_in_si_units(x))
+
+
+@dataclass(frozen=True)
+class IdealDeploymentTime:
+    """Deployment time of one wing with ideal joints: the low-fidelity partner, in the same units.
+
+    Attributes
+    ----------
+    parameters
+        The mechanism, as in `DeploymentTime`.
+    """
+
+    parameters: WingParameters
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Give the deployment times (n,) in s of X (n, 5): V_q, delta, k_d, b, C_r."""
+        from uqfold.mechanism import ideal_deployment_times
+
+        return ideal_deployment_times(self.parameters, **_in_si_units(x))
+
+
+def _in_si_units(x: FloatArray) -> dict[str, Any]:
+    """Give the columns of X as the mechanism takes them."""
+    v_q, delta, k_d, b, c_r = np.ascontiguousarray(x.T)
+    return {"V_q": v_q, "delta": np.deg2rad(delta), "k_d": k_d, "b": b * 1e-3, "C_r": c_r * 1e-3}
+
+
 def folding_wing(parameters: WingParameters | None = None) -> Problem:
     """Give the folding-wing system of Example 3.
 
@@ -44,29 +94,39 @@ def folding_wing(parameters: WingParameters | None = None) -> Problem:
     -------
     Problem
         Four units; shared inputs V_q (m/s) and delta (deg), individual inputs k_d (N), b (mm) and
-        C_r (mm); the response is the deployment time (s), +inf for a wing that never locks.
+        C_r (mm); the response is the deployment time (s), +inf for a wing that never locks. Its
+        low-fidelity partner is the wing with ideal joints, which takes no notice of C_r.
         References are attached only when the mechanism is the default one.
     """
     wing = WingParameters() if parameters is None else parameters
 
-    def deployment_time(x: FloatArray) -> FloatArray:
-        from uqfold.mechanism import deployment_times
-
-        v_q, delta, k_d, b, c_r = np.ascontiguousarray(x.T)
-        return deployment_times(
-            wing, V_q=v_q, delta=np.deg2rad(delta), k_d=k_d, b=b * 1e-3, C_r=c_r * 1e-3
-        )
-
     is_default = wing == WingParameters()
     return Problem(
-        deployment_time,
+        DeploymentTime(wing),
         shared={name: normal(*table) for name, table in TABLE_6_SHARED.items()},
         individual={name: normal(*table) for name, table in TABLE_6_INDIVIDUAL.items()},
         units=4,
+        low_fidelity=IdealDeploymentTime(wing),
         name="folding-wing",
+        version=_version(wing),
         response="deployment time",
         response_unit="s",
         input_units=INPUT_UNITS,
         default_criteria=criteria(threshold=DEFAULT_THRESHOLDS, tau=DEFAULT_TAU),
         references=load_references("folding_wing") if is_default else None,
     )
+
+
+def _version(wing: WingParameters) -> str:
+    """Give a text that changes with whatever may change a deployment time.
+
+    That is the source of the mechanism and of this module, the parameters, and the compiler, which
+    may change the last digit.
+    """
+    import uqfold.mechanism
+
+    digest = hashlib.sha256(repr(wing).encode())
+    digest.update(f"numba {version('numba')}, llvmlite {version('llvmlite')}".encode())
+    for path in [Path(__file__), *sorted(Path(uqfold.mechanism.__file__).parent.glob("*.py"))]:
+        digest.update(path.read_bytes())
+    return f"example-3-{digest.hexdigest()[:16]}"

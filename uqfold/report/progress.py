@@ -21,7 +21,11 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from uqfold.evaluation import RunningEstimate
+
 SHOW_AFTER_SECONDS = 2.0
+WIDE = 130
+"""Terminals from this width on show the running estimate too."""
 
 
 class ComparisonProgressBar:
@@ -60,6 +64,12 @@ class ComparisonProgressBar:
         if self._enabled:
             self._bar.stop()
 
+    def watch(self, estimate: RunningEstimate) -> None:
+        """Show where the method that runs stands."""
+        if self._task is not None:
+            interval = f"[{estimate.ci_low:.2g}, {estimate.ci_high:.2g}]"
+            self._bar.update(self._task, estimate=f"pf = {estimate.pf:.2g} {interval}")
+
     def __call__(self, label: str, n_evals: int, expected: int | None) -> None:
         """Take one report of the comparison; zero runs mean that the method starts."""
         if n_evals == 0 or self._task is None:
@@ -67,7 +77,9 @@ class ComparisonProgressBar:
                 self._bar.remove_task(self._task)
             number = self._labels.index(label) + 1
             self._bar.restart()
-            self._task = self._bar.add_task(f"{number}/{len(self._labels)} {label}", total=None)
+            self._task = self._bar.add_task(
+                f"{number}/{len(self._labels)} {label}", total=None, estimate=""
+            )
         self._bar.update(self._task, completed=n_evals, total=expected)
 
 
@@ -88,15 +100,16 @@ class _LateProgress(Progress):
 
     def __init__(self, console: Console) -> None:
         self._since = time.monotonic()
-        super().__init__(
+        columns = [
             SpinnerColumn(),
             TextColumn("{task.description}"),
-            BarColumn(bar_width=30),
+            BarColumn(bar_width=30 if console.width >= WIDE else 10),
             _RunsColumn(),
             TimeRemainingColumn(compact=True),
-            console=console,
-            transient=True,
-        )
+        ]
+        if console.width >= WIDE:
+            columns.append(TextColumn("{task.fields[estimate]}", markup=False))
+        super().__init__(*columns, console=console, transient=True)
 
     def restart(self) -> None:
         self._since = time.monotonic()

@@ -1,0 +1,120 @@
+"""Options of the evaluation engine: store, limit on time, progress lines, how to resume."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from uqfold.cli import main
+from uqfold.comparison import read_records
+
+ROOT = Path(__file__).parents[2]
+ONE = ["compare", "series", "--threshold", "4", "--tau", "none", "--no-figures"]
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def run(*words: str) -> int:
+    with pytest.raises(SystemExit) as exited:
+        main(words)
+    assert isinstance(exited.value.code, int)
+    return exited.value.code
+
+
+def test_a_store_serves_the_second_run(tmp_path: Path) -> None:
+    words = [*ONE, "--method", "mc", "--max-evals", "20000", "--store", "runs.db"]
+    frames = []
+    for reused in (0, 20_000):
+        assert run(*words, "--out", "r") == 0
+        frames.append(read_records(tmp_path / "r").to_frame())
+        assert frames[-1]["n_evals"].tolist() == [20_000]
+        assert frames[-1]["n_reused"].tolist() == [reused]
+    assert frames[0]["pf"].tolist() == frames[1]["pf"].tolist()
+
+
+def test_a_file_that_is_no_store_is_a_usage_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "notes.txt").write_text("milk, bread, butter\n" * 50)
+    assert run(*ONE, "--store", "notes.txt") == 2
+    assert "no store of uqfold" in " ".join(capsys.readouterr().err.split())
+
+
+def test_the_wall_clock_limit_holds_for_each_method(tmp_path: Path) -> None:
+    words = [*ONE, "--method", "mc", "--max-evals", "2000000000", "--max-seconds", "1"]
+    started = time.monotonic()
+    assert run(*words, "--out", "r") == 0
+    assert time.monotonic() - started < 30.0
+    [row] = read_records(tmp_path / "r").rows
+    assert row["status"] == "budget_exhausted"
+    assert "the wall-clock limit of 1 s is over" in row["message"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--max-seconds", "0"], "max_seconds = 0.0"),
+        (["--progress", "dots"], "--progress dots: choose from bar, json"),
+    ],
+)
+def test_words_that_mean_nothing_are_usage_errors(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*ONE, *words) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_progress_lines_are_json_and_show_the_running_estimate(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("uqfold.report.progress_lines.EVERY_SECONDS", 0.0)
+    words = [*ONE, "--method", "ffni-spa", "--method", "mc", "--max-evals", "40000"]
+    assert run(*words, "--progress", "json", "--quiet", "--out", "r") == 0
+    out, err = capsys.readouterr()
+    assert out == ""
+    lines = [json.loads(line) for line in err.splitlines()]
+    assert {line["method"] for line in lines} == {"ffni-spa", "mc"}
+    assert lines[0]["n_evals"] == 0
+    assert (lines[-1]["n_evals"], lines[-1]["expected"]) == (40_000, 40_000)
+    counts = [line["n_evals"] for line in lines if line["method"] == "mc"]
+    assert counts == sorted(counts)
+    estimate = lines[-1]
+    assert estimate["criterion"] == "T = 4, m = 1"
+    assert 0.0 <= estimate["ci_low"] <= estimate["pf"] <= estimate["ci_high"] < 0.1
+    assert not any("pf" in line for line in lines if line["method"] == "ffni-spa")
+
+
+@pytest.mark.skipif(
+    not hasattr(signal, "sigtimedwait"), reason="Ctrl-C is left to Python on this system"
+)
+def test_ctrl_c_keeps_the_store_and_says_how_to_go_on(tmp_path: Path) -> None:
+    # of four missions, so that an interruption falls among the blocks
+    words = ["compare", "series", "--threshold", "4", "--tau", "none", "--missions", "4"]
+    words += ["--method", "mc", "--max-evals", "400000000", "--store", str(tmp_path / "my runs.db")]
+    program = subprocess.Popen(
+        [sys.executable, "-m", "uqfold", *words, "--progress", "json"],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert program.stderr is not None
+    for line in program.stderr:
+        if json.loads(line)["n_evals"] > 100_000:
+            break
+    program.send_signal(signal.SIGINT)
+    _, err = program.communicate(timeout=60)
+    assert program.returncode == 130
+    said = err.splitlines()[-2:]
+    assert said[0] == "interrupted before any method finished; nothing was written"
+    kept, _, command = said[1].partition("; to go on from there: ")
+    assert kept.endswith(" model runs are kept in my runs.db")
+    assert int(kept.split()[0].replace(",", "")) > 100_000
+    command_words = " ".join(words[:-1])
+    assert command == f"uqfold {command_words} '{words[-1]}' --progress json"

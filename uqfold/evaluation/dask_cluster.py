@@ -1,0 +1,189 @@
+"""Model runs on many machines, by Dask (the extra ``distributed``)."""
+
+from __future__ import annotations
+
+import pickle
+import queue
+import time
+from functools import lru_cache
+from types import ModuleType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from uqfold.evaluation.batch import Outcome, run_batch, shown
+from uqfold.evaluation.errors import ExecutorError
+from uqfold.evaluation.executors import Executor, Runner, limited
+from uqfold.typing import FloatArray, Model
+
+CONNECT_SECONDS = 30.0
+WITHOUT_WORKERS_SECONDS = 300.0
+"""How long to wait for workers when there is none."""
+LOOK_SECONDS = 5.0
+"""How often to count the workers."""
+QUEUED_PER_THREAD = 4
+"""Batches handed over per thread of the workers: the way there and back takes milliseconds."""
+
+
+class Dask(Executor):
+    """Runs a model on the workers of a Dask cluster.
+
+    Dask runs the batches of a worker that dies again elsewhere; a batch that several workers died
+    of is run row by row, and a row that still kills them is a failed run. The model may be
+    anything that cloudpickle takes; what it imports has to be installed on the workers. Workers
+    with several threads run it several times at once: a model that does not allow that needs
+    workers with one thread each.
+
+    Parameters
+    ----------
+    cluster
+        Address of the scheduler, as in ``tcp://10.0.0.1:8786``, or a `distributed.Client`, which
+        stays the caller's.
+
+    Raises
+    ------
+    ExecutorError
+        If `distributed` is not installed, or no scheduler answers.
+    """
+
+    batch_rows: ClassVar[int] = 256
+
+    def __init__(self, cluster: Any) -> None:
+        distributed = _distributed()
+        self._own = isinstance(cluster, str)
+        if not self._own:
+            self.client = cluster
+            return
+        try:
+            self.client = distributed.Client(cluster, timeout=CONNECT_SECONDS, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise ExecutorError(
+                f"no Dask scheduler answers at {cluster} ({error}): start one with `dask "
+                "scheduler`, workers with `dask worker ADDRESS`, and give its address"
+            ) from error
+
+    def open(self, model: Model, seconds_per_run: float | None) -> Runner:
+        """Give a runner for the workers that are there now."""
+        return _DaskRunner(self.client, limited(model, seconds_per_run, "a run on a cluster"))
+
+    def close(self) -> None:
+        """Close the connection to the cluster, if it was made here."""
+        if self._own:
+            self.client.close()
+
+
+class _DaskRunner(Runner):
+    def __init__(self, client: Any, model: Model) -> None:
+        # comes with distributed
+        import cloudpickle  # type: ignore[import-untyped]
+
+        try:
+            self._model = cloudpickle.dumps(model)
+        except Exception as error:
+            raise ExecutorError(
+                f"the model {model!r} cannot be sent to a cluster ({error}): make it a function "
+                "of what it needs, without open files, locks or connections"
+            ) from error
+        self._client = client
+        self.capacity = QUEUED_PER_THREAD
+        self._jobs: dict[Any, tuple[int, FloatArray]] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._last_seen = time.monotonic()
+        self._next_look = 0.0
+        self._look_for_workers()
+
+    @property
+    def in_flight(self) -> int:
+        return len(self._jobs)
+
+    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
+        future = self._start(x, may_give_up)
+        self._jobs[future] = number, x
+        # much quicker than asking for the state of all of them
+        future.add_done_callback(self._done.put)
+
+    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+        self._look_for_workers()
+        try:
+            future = self._done.get(timeout=timeout)
+        except queue.Empty:
+            return None
+        number, x = self._jobs.pop(future)
+        outcome = self._outcome(future)
+        return number, self._row_by_row(x) if outcome is None else outcome
+
+    def abandon(self) -> None:
+        self._client.cancel(list(self._jobs), force=True)
+        self._jobs.clear()
+        # what is still called back belongs to nobody
+        self._done = queue.SimpleQueue()
+
+    def _start(self, x: FloatArray, may_give_up: bool) -> Any:
+        return self._client.submit(_run_pickled, self._model, x, may_give_up, pure=False)
+
+    def _outcome(self, future: Any) -> Outcome | None:
+        """Wait for one batch; None if its workers died of it."""
+        distributed = _distributed()
+        while True:
+            try:
+                outcome: Outcome = future.result(timeout=LOOK_SECONDS)
+            except TimeoutError:
+                self._look_for_workers()
+            except distributed.KilledWorker:
+                return None
+            except Exception as error:
+                # what the model raises is part of an outcome, so this is the cluster's own
+                raise ExecutorError(
+                    f"the cluster gave no responses ({type(error).__name__}: {error}): uqfold, "
+                    "in this version, and what the model imports have to be installed on its "
+                    "workers"
+                ) from error
+            else:
+                return outcome
+
+    def _row_by_row(self, x: FloatArray) -> Outcome:
+        """Find the rows that end their worker; all others get their responses."""
+        y, reason, seconds = np.full(x.shape[0], np.nan), "", 0.0
+        for i in range(x.shape[0]):
+            outcome = self._outcome(self._start(x[i : i + 1], False))
+            if outcome is None:
+                reason = reason or f"the model ended its worker at x = {shown(x[i])}"
+            else:
+                y[i], seconds = outcome.y[0], seconds + outcome.seconds
+                reason = reason or outcome.reason
+        return Outcome(y, reason, seconds)
+
+    def _look_for_workers(self) -> None:
+        """Adapt to workers that have come or gone; without any there is nothing to wait for."""
+        now = time.monotonic()
+        if now < self._next_look:
+            return
+        self._next_look = now + LOOK_SECONDS
+        threads = sum(self._client.nthreads().values())
+        if threads:
+            self.capacity, self._last_seen = QUEUED_PER_THREAD * threads, now
+        elif now - self._last_seen > WITHOUT_WORKERS_SECONDS:
+            raise ExecutorError(
+                f"the cluster has had no worker for {WITHOUT_WORKERS_SECONDS:.0f} s: start some "
+                "with `dask worker ADDRESS`, and the run again"
+            )
+
+
+@lru_cache(maxsize=4)
+def _unpickled(model: bytes) -> Any:
+    return pickle.loads(model)
+
+
+def _run_pickled(model: bytes, x: FloatArray, may_give_up: bool) -> Outcome:
+    """Run a batch on a worker, which loads the model once only."""
+    return run_batch(_unpickled(model), x, may_give_up)
+
+
+def _distributed() -> ModuleType:
+    try:
+        import distributed
+    except ImportError as error:
+        raise ExecutorError(
+            "a cluster needs the package distributed: pip install 'uqfold[distributed]'"
+        ) from error
+    return distributed

@@ -1,0 +1,27 @@
+"""What can go wrong while a model is run."""
+
+from __future__ import annotations
+
+
+class BudgetExceededError(RuntimeError):
+    """A method asked for more runs than `max_evals` allows."""
+
+
+class TimeLimitError(BudgetExceededError):
+    """The wall-clock limit `max_seconds` of the evaluator is over."""
+
+
+class FailedRunError(RuntimeError):
+    """A model run failed under the policy ``raise``, or every run of the model fails."""
+
+
+class EngineError(RuntimeError):
+    """Store or executor failed, not the model; no status of a method can stand for that."""
+
+
+class StoreError(EngineError):
+    """A store cannot be opened, read or written, or its content is damaged."""
+
+
+class ExecutorError(EngineError):
+    """An executor cannot take the model, or broke while running it."""

@@ -1,0 +1,226 @@
+"""Where batches of model runs are made: in this process, or by any futures executor.
+
+An executor gives a runner for one model. The session submits batches, each under a number, and
+takes their outcomes in whatever order they finish; it puts them back in order itself, so that no
+answer depends on the number of workers or on who was first.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import pickle
+from abc import ABC, abstractmethod
+from collections import deque
+from types import TracebackType
+from typing import ClassVar
+
+from uqfold.evaluation.batch import Outcome, RowModel, run_batch
+from uqfold.evaluation.errors import ExecutorError
+from uqfold.typing import FloatArray, Model
+
+QUEUED_PER_WORKER = 2
+"""Batches handed over per worker: one under way, one waiting."""
+
+
+class Runner(ABC):
+    """Batches of one model, under way."""
+
+    capacity: int
+    """How many batches it takes at a time."""
+
+    @property
+    @abstractmethod
+    def in_flight(self) -> int:
+        """Batches submitted and not yet handed out."""
+
+    @abstractmethod
+    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
+        """Take a batch X (n, d); `may_give_up` as in `run_batch`."""
+
+    @abstractmethod
+    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+        """Wait for any batch and hand it out; None if there is none within `timeout` seconds."""
+
+    @abstractmethod
+    def abandon(self) -> None:
+        """Forget all batches under way."""
+
+
+class Executor(ABC):
+    """Where batches of model runs are made; to be used as a context manager, or closed at exit."""
+
+    batch_rows: ClassVar[int] = 64
+    """Rows of a batch unless the evaluator says otherwise."""
+    small_batch_rows: ClassVar[int] = 16
+    """The same for small designs, so that all workers get a part of them."""
+
+    @abstractmethod
+    def open(self, model: Model, seconds_per_run: float | None) -> Runner:
+        """Give a runner for `model`, which may take `seconds_per_run` for each run.
+
+        Raises
+        ------
+        ExecutorError
+            If the model cannot be handed to the workers.
+        ValueError
+            If the executor cannot end a run that takes too long.
+        """
+
+    def close(self) -> None:  # noqa: B027 - most have nothing of their own to close
+        """Release the workers."""
+
+    def __enter__(self) -> Executor:
+        """Give the executor."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Release the workers."""
+        self.close()
+
+
+class InProcess(Executor):
+    """Runs the model here and now; right for a compiled or vectorised model."""
+
+    batch_rows: ClassVar[int] = 4096
+    small_batch_rows: ClassVar[int] = 4096
+
+    def open(self, model: Model, seconds_per_run: float | None) -> Runner:
+        """Give a runner that makes each run when its outcome is asked for."""
+        return _InProcessRunner(limited(model, seconds_per_run, "a run in this process"))
+
+
+class _InProcessRunner(Runner):
+    capacity = 1
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._waiting: deque[tuple[int, FloatArray, bool]] = deque()
+
+    @property
+    def in_flight(self) -> int:
+        return len(self._waiting)
+
+    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
+        self._waiting.append((number, x, may_give_up))
+
+    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+        del timeout  # nobody else could look at the clock
+        number, x, may_give_up = self._waiting.popleft()
+        return number, run_batch(self._model, x, may_give_up)
+
+    def abandon(self) -> None:
+        self._waiting.clear()
+
+
+class Futures(Executor):
+    """Any `concurrent.futures.Executor`: threads, processes, MPI, a client of some cluster.
+
+    Parameters
+    ----------
+    executor
+        It stays the caller's, who starts it and shuts it down.
+    workers
+        How many batches it runs at the same time; by default what it says itself, or the number
+        of cores.
+    """
+
+    def __init__(self, executor: concurrent.futures.Executor, workers: int | None = None) -> None:
+        own = getattr(executor, "_max_workers", None)
+        self.workers = workers or own or os.cpu_count() or 1
+        self.executor = executor
+
+    def open(self, model: Model, seconds_per_run: float | None) -> Runner:
+        """Give a runner; a model for a pool of processes has to be picklable."""
+        model = limited(model, seconds_per_run, f"a run in a {type(self.executor).__name__}")
+        if isinstance(self.executor, concurrent.futures.ProcessPoolExecutor):
+            pickled(model)
+        return _FuturesRunner(self.executor, model, self.workers)
+
+
+class _FuturesRunner(Runner):
+    def __init__(self, executor: concurrent.futures.Executor, model: Model, workers: int) -> None:
+        self.capacity = QUEUED_PER_WORKER * workers
+        self._executor = executor
+        self._model = model
+        self._numbers: dict[concurrent.futures.Future[Outcome], int] = {}
+
+    @property
+    def in_flight(self) -> int:
+        return len(self._numbers)
+
+    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
+        try:
+            future = self._executor.submit(run_batch, self._model, x, may_give_up)
+        except RuntimeError as error:
+            raise self._broken(error) from error
+        self._numbers[future] = number
+
+    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+        done, _ = concurrent.futures.wait(
+            self._numbers, timeout, return_when=concurrent.futures.FIRST_COMPLETED
+        )
+        if not done:
+            return None
+        future = min(done, key=self._numbers.__getitem__)
+        number = self._numbers.pop(future)
+        try:
+            return number, future.result()
+        except (Exception, concurrent.futures.CancelledError) as error:
+            # what the model raises is part of an outcome, so this is the executor's own
+            raise self._broken(error) from error
+
+    def abandon(self) -> None:
+        for future in self._numbers:
+            future.cancel()
+        self._numbers.clear()
+        if isinstance(self._model, RowModel):
+            self._model.stop()
+
+    def _broken(self, error: BaseException) -> ExecutorError:
+        return ExecutorError(
+            f"the {type(self._executor).__name__} gave no responses ({type(error).__name__}: "
+            f"{error}); uqfold.evaluation.Processes replaces workers that die"
+        )
+
+
+def limited(model: Model, seconds_per_run: float | None, what: str) -> Model:
+    """Give the model with a time limit that it keeps itself.
+
+    Raises
+    ------
+    ValueError
+        If it cannot, for executors that cannot end a run either.
+    """
+    if seconds_per_run is None:
+        return model
+    kept = model.with_time_limit(seconds_per_run) if isinstance(model, RowModel) else None
+    if kept is None:
+        raise ValueError(
+            f"seconds_per_run = {seconds_per_run:g}: {what} cannot be ended from outside. Use "
+            "executor=uqfold.evaluation.Processes(), an ExternalCode, or no limit"
+        )
+    return kept
+
+
+def pickled(model: Model) -> bytes:
+    """Give the model as bytes for a worker process.
+
+    Raises
+    ------
+    ExecutorError
+        If it cannot be pickled.
+    """
+    try:
+        return pickle.dumps(model)
+    except Exception as error:
+        raise ExecutorError(
+            f"the model {model!r} cannot be handed to another process ({error}): make it a "
+            "function at the top level of a module (no lambda, nothing defined inside a function), "
+            "or a frozen dataclass with __call__"
+        ) from error

@@ -1,0 +1,102 @@
+"""One worker process: its line, its job, and what it does on the other side."""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+import signal
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from uqfold.evaluation.batch import run_batch
+from uqfold.typing import FloatArray
+
+
+@dataclass(eq=False)
+class Job:
+    """One batch; `alone`: its rows are run one by one, `done` of them are through."""
+
+    number: int
+    x: FloatArray
+    may_give_up: bool
+    alone: bool
+    done: int = 0
+    deaths: int = 0
+    seconds: float = 0.0
+    reason: str = ""
+    y: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.y = np.full(self.x.shape[0], np.nan)
+
+    @property
+    def rows(self) -> slice:
+        """Rows to be run next."""
+        return slice(self.done, self.done + 1 if self.alone else self.x.shape[0])
+
+    def advance(self, y: FloatArray | float, reason: str, seconds: float) -> bool:
+        """Take the responses of `rows`; give whether the batch is through."""
+        rows = self.rows
+        self.y[rows] = y
+        self.reason = self.reason or reason
+        self.seconds += seconds
+        self.done, self.deaths = rows.stop, 0
+        return bool(self.done == self.x.shape[0])
+
+
+@dataclass(eq=False)
+class Worker:
+    """A process and the line to it; `ready`: it has loaded the model with that token."""
+
+    process: Any
+    line: Connection
+    token: int = -1
+    ready: bool = False
+    job: Job | None = None
+    deadline: float | None = None
+
+    @classmethod
+    def start(cls) -> Worker:
+        """Start a process."""
+        # a fork would copy locks that other threads hold, and the lines to the other workers
+        methods = multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context(
+            "forkserver" if "forkserver" in methods else "spawn"
+        )
+        here, there = context.Pipe()
+        process = context.Process(target=_serve, args=(there,), daemon=True)
+        process.start()
+        there.close()
+        return cls(process, here)
+
+    def end(self) -> int | None:
+        """Kill the process, and give its exit code."""
+        self.process.kill()
+        self.process.join()
+        self.line.close()
+        code: int | None = self.process.exitcode
+        return code
+
+
+def _serve(line: Connection) -> None:
+    """Life of a worker: load models, run batches, until the line is cut."""
+    # Ctrl-C reaches all processes of the group; what it means the one that started them decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    model: Any = None
+    while True:
+        try:
+            kind, content = line.recv()
+            if kind == "model":
+                model = pickle.loads(content)
+                line.send(("ready", None))
+            else:
+                outcome = run_batch(model, *content)
+                line.send(("batch", (outcome.y, outcome.reason, outcome.seconds)))
+        except (EOFError, BrokenPipeError, ConnectionResetError):
+            return
+        except Exception as error:
+            line.send(("unusable", f"{type(error).__name__}: {error}"))
+            return
