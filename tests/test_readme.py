@@ -9,7 +9,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
-PAGES = ["README.md", "docs/records.md"]
+PAGES = ["README.md", "docs/evaluation.md", "docs/mechanism.md", "docs/records.md"]
+    "README.md",
+    "docs/evaluation.md",
+    "docs/mechanism.md",
+    "docs/records.md",
+    "docs/surrogates.md",
+]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -19,7 +25,8 @@ def test_python_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.chdir(tmp_path)
     if "uqfold-results/series" in "".join(blocks):
         arguments = ["compare", "series", "--method", "ffni-spa", "--no-figures"]
-        subprocess.run([sys.executable, "-m", "uqfold", *arguments], check=True, capture_output=True)
+        command = [sys.executable, "-m", "uqfold", *arguments]
+        subprocess.run(command, check=True, capture_output=True)
     exec(compile("\n".join(blocks), page, "exec"), {"__name__": page})
 
 

@@ -7,6 +7,7 @@ from uqfold.lazy import lazy_exports
 if TYPE_CHECKING:
     from uqfold.problems.base import Problem, Unit
     from uqfold.problems.four_bar_linkage import four_bar
+    from uqfold.problems.four_branch_system import four_branch
     from uqfold.problems.reference import Reference, ReferenceTable
     from uqfold.problems.series_system import series
     from uqfold.problems.wing import folding_wing
@@ -18,6 +19,7 @@ __all__ = [
     "Unit",
     "folding_wing",
     "four_bar",
+    "four_branch",
     "series",
 ]
 
@@ -31,6 +33,7 @@ __getattr__, __dir__ = lazy_exports(
         "Unit": "uqfold.problems.base",
         "folding_wing": "uqfold.problems.wing",
         "four_bar": "uqfold.problems.four_bar_linkage",
+        "four_branch": "uqfold.problems.four_branch_system",
         "series": "uqfold.problems.series_system",
     },
 )

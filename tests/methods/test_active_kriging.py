@@ -1,0 +1,316 @@
+"""Active Kriging: accuracy, what it costs, and that it does not stop for the wrong reasons."""
+
+import math
+import time
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uqfold.evaluation import Evaluator
+from uqfold.methods import ActiveKriging, CriterionResult, ReliabilityResult
+from uqfold.methods.active_question import Question
+from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
+from uqfold.methods.active_view import View
+from uqfold.problems import Problem, four_bar, four_branch, series
+from uqfold.problems.criterion import Criterion, criteria
+from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
+from uqfold.surrogates.learning import LearningFunction
+from uqfold.testing import LinearNormalSystem
+from uqfold.testing.conduct import same_numbers
+from uqfold.typing import FloatArray
+
+SEEDS = range(4)
+FOUR_BRANCH = four_branch()
+
+
+@cache
+def four_branch_runs() -> list[ReliabilityResult]:
+    return [ActiveKriging().estimate(FOUR_BRANCH, rng=seed) for seed in SEEDS]
+
+
+def exact(problem: Problem, criterion: Criterion) -> float:
+    assert problem.references is not None
+    found = problem.references.lookup(criterion)
+    assert found is not None
+    return found.pf
+
+
+def test_four_branch_system_within_100_runs() -> None:
+    judged([result[0] for result in four_branch_runs()])
+
+
+@pytest.mark.slow
+def test_four_branch_system_over_50_seeds() -> None:
+    judged([ActiveKriging().estimate(FOUR_BRANCH, rng=seed)[0] for seed in range(50)])
+
+
+def judged(rows: list[CriterionResult]) -> None:
+    truth = exact(FOUR_BRANCH, Criterion(rows[0].threshold))
+    errors = np.array([row.pf for row in rows]) / truth - 1.0
+    assert abs(errors.mean()) < 0.02
+    assert math.sqrt(np.mean(errors**2)) < 0.05
+    assert max(row.n_evals for row in rows) <= 100
+    for row in rows:
+        assert row.error_kind == "surrogate"
+        if row.status == "converged":
+            assert abs(row.pf - truth) <= 3.0 * row.std_error
+
+
+def test_all_four_failure_regions_are_learned() -> None:
+    root = math.sqrt(2.0)
+    outwards = np.array([[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]]) / root
+    limits = np.array([3.0, 3.0, 3.5, 3.5])[:, None]
+    for result in four_branch_runs():
+        surface = result.details.surface
+        assert (surface.mean(outwards * (limits - 0.15)) < 0.0).all()
+        assert (surface.mean(outwards * (limits + 0.15)) > 0.0).all()
+
+
+def test_converged_means_checked_by_runs_outside_the_training_set() -> None:
+    for result in four_branch_runs():
+        details = result.details
+        passed = [check.passed for check in details.checks]
+        assert (result[0].status == "converged") == bool(passed and passed[-1])
+        assert not any(passed[:-1])
+        trained = {tuple(u) for u in details.surface.u}
+        for check in details.checks:
+            inside = [tuple(u) in trained for u in check.u]
+            # the runs of a failed check have joined the training set, those of a passed one not
+            assert all(inside) != check.passed
+        kept_out = sum(len(check.u) for check in details.checks if check.passed)
+        assert result.n_evals == len(trained) + kept_out
+        assert details.history_runs[-1] == len(trained)
+        assert details.history_beta.shape == details.history_std.shape
+
+
+@pytest.mark.parametrize("learning", ["u", "eff"])
+def test_classical_learning_functions_find_the_answer_too(learning: LearningFunction) -> None:
+    result = ActiveKriging(learning=learning).estimate(FOUR_BRANCH, rng=3)
+    truth = exact(FOUR_BRANCH, result.criteria[0])
+    assert result[0].pf == pytest.approx(truth, rel=0.05)
+    assert abs(result[0].pf - truth) <= 4.0 * result[0].std_error
+    assert result.n_evals <= 100
+
+
+def test_rare_event_with_four_regions() -> None:
+    asked = criteria([2.0, 3.0])
+    result = ActiveKriging().estimate(FOUR_BRANCH, asked, rng=5)
+    for criterion, row in zip(asked, result, strict=True):
+        assert row.pf == pytest.approx(exact(FOUR_BRANCH, criterion), rel=0.05)
+        assert abs(row.pf - exact(FOUR_BRANCH, criterion)) <= 4.0 * row.std_error
+
+
+@pytest.mark.parametrize("build", [series, four_bar, lambda: four_bar("crossed")])
+def test_systems_with_shared_inputs_and_tau(build: object) -> None:
+    """One run answers thresholds from 0.5 to 1e-6, with and without synchronization."""
+    problem = build()  # type: ignore[operator]
+    result = ActiveKriging().estimate(problem, rng=1)
+    assert result.n_evals <= 100
+    for criterion, row in zip(result.criteria, result, strict=True):
+        truth = exact(problem, criterion)
+        assert row.status == "converged", row.message
+        assert row.pf == pytest.approx(truth, rel=0.01 if truth > 1e-4 else 0.05), criterion
+        assert abs(row.pf - truth) <= 5.0 * row.std_error
+
+
+@pytest.mark.parametrize("budget", [12, 20, 31])
+def test_running_out_of_budget_is_not_convergence(budget: int) -> None:
+    row = ActiveKriging().estimate(FOUR_BRANCH, max_evals=budget, rng=1)[0]
+    assert row.status in {"budget_exhausted", "doubtful"}
+    assert "runs" in row.message
+    assert row.n_evals == budget
+
+
+def test_settings_cap_the_runs_when_no_budget_does() -> None:
+    row = ActiveKriging(runs=24).estimate(FOUR_BRANCH, rng=1)[0]
+    assert (row.n_evals, row.status) == (24, "budget_exhausted")
+    assert "24 training runs" in row.message
+
+
+def test_budget_below_any_surface_spends_nothing() -> None:
+    row = ActiveKriging().estimate(FOUR_BRANCH, max_evals=5, rng=1)[0]
+    assert (row.status, row.n_evals) == ("failed", 0)
+    assert "at least 6 runs" in row.message
+
+
+def test_jump_in_the_response_is_not_passed_off_as_converged() -> None:
+    """A cliff beside the limit: pf is 1.35e-3, and no smooth surface can follow it."""
+
+    def cliff(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 0] > 3.0, 5.0, 0.1 * x[:, 0] - 4.0) + 0.05 * x[:, 1]
+
+    problem = Problem(cliff, inputs=FOUR_BRANCH.inputs.distribution, name="cliff")
+    for seed in range(3):
+        row = ActiveKriging(runs=60).estimate(problem, criteria(0.0), rng=seed)[0]
+        assert row.status in {"doubtful", "budget_exhausted"}
+
+
+def test_threshold_that_no_run_has_reached_is_doubtful() -> None:
+    asked = [Criterion(12.0), Criterion(1e3), Criterion(-1e3), Criterion(math.inf)]
+    result = ActiveKriging().estimate(LinearNormalSystem().problem(), asked, rng=2)
+    assert [row.status for row in result] == ["converged", "doubtful", "doubtful", "converged"]
+    assert "no run has come near the threshold" in result[1].message
+    np.testing.assert_allclose(result.pf[1:], [0.0, 1.0, 0.0])
+
+
+def test_rows_of_a_step_can_run_in_parallel() -> None:
+    session = ActiveKriging(initial=15, batch=5).start(FOUR_BRANCH, rng=1)
+    sizes = []
+    for _ in range(4):
+        x = session.ask()
+        sizes.append(len(x))
+        assert len(np.unique(x, axis=0)) == len(x)
+        session.tell(x, FOUR_BRANCH.model(x))
+    assert sizes == [15, 5, 5, 5]
+
+
+def test_ask_and_tell_with_an_interruption_gives_the_answer_of_estimate(tmp_path: Path) -> None:
+    method, asked = ActiveKriging(runs=40), criteria([11.0, 12.0], tau=[None, 2.0])
+    system = LinearNormalSystem()
+    expected = method.estimate(system.problem(), asked, rng=4, max_evals=60)
+    session = method.start(system.problem(), asked, rng=4, max_evals=60)
+    while not session.done:
+        x = session.ask()
+        session.tell(x[:2], system.response(x[:2]))
+        session.save(tmp_path / "session.npz")
+        session = method.resume(tmp_path / "session.npz", system.problem(), asked)
+        np.testing.assert_array_equal(session.ask(), x[2:])
+        session.tell(x[2:], system.response(x[2:]))
+    assert same_numbers(session.result(), expected)
+
+
+def test_time_limit_ends_the_loop_with_the_runs_so_far() -> None:
+    def slow(x: FloatArray) -> FloatArray:
+        time.sleep(0.02 * len(x))
+        return np.asarray(FOUR_BRANCH.model(x))
+
+    problem = Problem(slow, inputs=FOUR_BRANCH.inputs.distribution, name="slow")
+    evaluator = Evaluator(max_seconds=0.6, batch_rows=1)
+    row = ActiveKriging().estimate(problem, criteria(0.0), rng=1, evaluator=evaluator)[0]
+    assert row.status in {"budget_exhausted", "doubtful"}
+    assert "wall-clock limit" in row.message
+    assert 12 <= row.n_evals < 60
+
+
+def test_progress_shows_the_least_certain_criterion() -> None:
+    seen: list[object] = []
+    ActiveKriging(runs=24).estimate(
+        FOUR_BRANCH, criteria([0.0, 1.0]), rng=1, evaluator=Evaluator(watch=seen.append)
+    )
+    assert len(seen) == 3
+
+
+@pytest.mark.parametrize(
+    ("settings", "match"),
+    [
+        ({"runs": 0}, "runs = 0"),
+        ({"runs": 2.5}, "runs = 2.5"),
+        ({"initial": 1}, "initial = 1"),
+        ({"batch": 0}, "batch = 0"),
+        ({"batch": 2, "explore": 2}, "explore = 2"),
+        ({"controls": 1}, "controls = 1"),
+        ({"learning": "h"}, "learning = 'h'"),
+        ({"kernel": "cubic"}, "kernel = 'cubic'"),
+        ({"noise": -1.0}, "noise = -1.0"),
+        ({"tolerance": 0.0}, "tolerance = 0.0"),
+    ],
+)
+def test_bad_settings_are_refused(settings: dict[str, object], match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        ActiveKriging(**settings)  # type: ignore[arg-type]
+
+
+def test_more_runs_than_a_fit_can_bear_are_unsupported() -> None:
+    row = ActiveKriging(runs=1001).estimate(FOUR_BRANCH, rng=1)[0]
+    assert (row.status, row.n_evals) == ("unsupported", 0)
+
+
+# --- the parts -----------------------------------------------------------------------------------
+
+
+def plane(u: FloatArray) -> FloatArray:
+    return np.asarray(u @ np.array([1.0, 0.5]) + 0.1 * np.sin(2.0 * u[:, 0]))
+
+
+def process(size: int = 30) -> GaussianProcess:
+    u = 1.7 * np.random.default_rng(1).standard_normal((size, 2))
+    return fit_gaussian_process(u, plane(u), trend=1)
+
+
+QUESTION = Question(2, 0, 1, (Criterion(2.5), Criterion(4.0)))
+
+
+def test_view_states_index_error_and_shift() -> None:
+    """Against many draws: the index under surfaces from the posterior, and under a shift."""
+    rng = np.random.default_rng(2)
+    fitted = process(14)
+    view = View.of(fitted, QUESTION, rng)
+    u = rng.standard_normal((400_000, 2))
+    from scipy.special import ndtri
+
+    mean = fitted.mean(u)
+    beta = -ndtri(np.mean(mean > 2.5))
+    assert view.beta[0] == pytest.approx(beta, abs=0.01)
+    moved = -ndtri(np.mean(mean + 0.05 > 2.5)) - beta
+    assert view.shift[0] * 0.05 == pytest.approx(-moved, rel=0.1)
+    some = u[np.abs(mean - 2.5) < 1.0]
+    above = np.sum(mean >= 3.5)
+    paths = fitted.sample_paths(np.random.default_rng(3), 60)(some[:60_000])
+    scale = len(some) / 60_000
+    draws = -ndtri((above + scale * (paths > 2.5).sum(axis=1)) / len(u))
+    assert view.beta_std[0] == pytest.approx(draws.std(), rel=0.4)
+
+
+def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
+    rng = np.random.default_rng(4)
+    view = View.of(process(), QUESTION, rng)
+    u = control_points(view, 9, rng)
+    assert u.shape == (9, 2)
+    mean, std = view.process.mean_and_std(u)
+    stated = np.hypot(std, view.process.noise_std)
+    assert Check.of(view, u, mean + stated, 1e-9).passed
+    # one run out of nine four standard deviations away
+    wrong = mean.copy()
+    wrong[3] += 4.0 * stated[3]
+    assert not Check.of(view, u, wrong, 1e-9).passed
+    # all of them 2.5 away
+    assert not Check.of(view, u, mean + 2.5 * stated, 1e-9).passed
+    # but not if that moves no answer by more than the tolerance
+    assert Check.of(view, u, mean + 2.5 * stated, 1e3).passed
+    assert Check.of(view, u, mean + 2.5 * stated, 1e3).overconfidence == pytest.approx(2.5)
+    nothing = Check.of(view, u, np.full(9, np.nan), 1e3)
+    assert not nothing.passed
+    assert nothing.overconfidence == 1.0
+
+
+def test_control_points_lie_near_the_limits_and_where_nobody_was() -> None:
+    rng = np.random.default_rng(5)
+    view = View.of(process(), QUESTION, rng)
+    points = control_points(view, 30, rng)
+    distance = np.abs(plane(points)[:, None] - [2.5, 4.0]).min(axis=1)
+    assert np.median(distance[:20]) < 0.2
+    far = unvisited(view, view.process.u, 10, rng)
+    gaps = ((far[:, None] - view.process.u[None]) ** 2).sum(axis=2).min(axis=1)
+    assert gaps.min() > 0.5
+    assert np.sqrt((far**2).sum(axis=1)).max() < 6.01
+
+
+def test_stability_needs_steps_and_certainty() -> None:
+    rng = np.random.default_rng(6)
+    view = View.of(process(), QUESTION, rng)
+    certain = replace(view, beta_std=np.zeros(2))
+    stability = Stability(0.01, [certain, certain])
+    assert not stability.reached
+    stability.views.append(certain)
+    assert stability.reached
+    assert not Stability(0.01, [certain, certain, replace(view, beta_std=np.full(2, 0.1))]).reached
+    lifted = fit_gaussian_process(view.process.u, view.process.y + 0.1, trend=1)
+    other = replace(View.of(lifted, QUESTION, rng), beta_std=np.zeros(2))
+    assert not Stability(0.01, [certain, certain, other]).reached
+    assert not Stability(0.01, [other, certain, certain]).reached
+    assert Stability(0.01, [other, certain, certain, certain]).reached
+    # a shift by 0.1 of a response with gradient of about 1.2
+    assert other.moved_since(certain)[0] == pytest.approx(0.1 / 1.15, rel=0.15)

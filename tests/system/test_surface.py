@@ -1,0 +1,175 @@
+"""Integration over a cheap surface, with the true response as the surface."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import ndtr, ndtri
+from scipy.stats import chi2
+
+from uqfold.problems import four_bar, series
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.system.conditional import system_failures
+from uqfold.system.lines import FINITE, MISSING, NEVER
+from uqfold.system.surface import SurfaceSystem, surface_failures
+from uqfold.system.surface_rule import Surface, plan_surface
+from uqfold.typing import FloatArray, IntArray
+
+
+def true_surface(problem: Problem) -> Surface:
+    return lambda u: problem.model(problem.inputs.from_standard_normal(u))
+
+
+@pytest.mark.parametrize("build", [series, four_bar, lambda: four_bar("crossed")])
+def test_examples_follow_their_references_down_to_1e_9(build) -> None:
+    problem = build()
+    assert problem.references is not None
+    references = [r for r in problem.references if r.pf >= 1e-9][::7]
+    inputs = problem.inputs
+    found = surface_failures(
+        true_surface(problem),
+        inputs.dimension,
+        inputs.n_shared,
+        problem.n_units,
+        [r.criterion for r in references],
+    )
+    # the grid holds rows with and without tau, fixed and binomial numbers of missions
+    assert {r.criterion.tau is None for r in references} == {True, False}
+    assert any(isinstance(r.criterion.missions, Binomial) for r in references)
+    assert_allclose([f.pf for f in found], [r.pf for r in references], rtol=1e-3)
+
+
+def test_several_failure_regions_are_found() -> None:
+    def four_branches(u: FloatArray) -> FloatArray:
+        a, b = u.T
+        root = np.sqrt(2.0)
+        arcs = 3.0 + 0.1 * (a - b) ** 2 - np.abs(a + b) / root
+        return -np.minimum(arcs, 7.0 / root - np.abs(a - b))
+
+    p = np.linspace(-9.0, 9.0, 20_001)
+    density = np.exp(-0.5 * p**2) / np.exp(-0.5 * p**2).sum()
+    exact = [
+        density @ np.where(np.abs(p) > 3.5 + t / np.sqrt(2), 1.0, 2 * ndtr(-3 - 0.2 * p**2 - t))
+        for t in (0.0, 1.0, 2.0)
+    ]
+    found = surface_failures(four_branches, 2, 0, 1, criteria([0.0, 1.0, 2.0]))
+    assert_allclose([f.pf for f in found], exact, rtol=3e-3)
+
+
+def test_failure_at_both_ends_and_all_around() -> None:
+    def square(u: FloatArray) -> FloatArray:
+        return (u**2).sum(axis=1)
+
+    line = surface_failures(square, 1, 0, 1, criteria([1.0, 9.0, 25.0]))
+    assert_allclose([f.pf for f in line], chi2.sf([1.0, 9.0, 25.0], 1), rtol=3e-4)
+    plane = surface_failures(square, 2, 0, 1, criteria([1.0, 9.0, 25.0]))
+    assert_allclose([f.pf for f in plane], chi2.sf([1.0, 9.0, 25.0], 2), rtol=2e-3)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.99])
+def test_strongly_shared_inputs(share: float) -> None:
+    own = np.sqrt(1.0 - share**2)
+    v = np.linspace(-9.0, 9.0, 40_001)
+    density = np.exp(-0.5 * v**2) / np.exp(-0.5 * v**2).sum()
+    thresholds = [0.0, 3.0, 6.0]
+    exact = [
+        density @ -np.expm1(4 * np.log1p(-np.minimum(ndtr(-(t - share * v) / own), 1 - 1e-16)))
+        for t in thresholds
+    ]
+    found = surface_failures(
+        lambda u: share * u[:, 0] + own * u[:, 1], 2, 1, 4, criteria(thresholds)
+    )
+    assert_allclose([f.pf for f in found], exact, rtol=1e-4)
+
+
+def test_reliability_is_the_complement_and_both_are_computed() -> None:
+    found = surface_failures(lambda u: u @ np.ones(3), 3, 1, 2, criteria([-12.0, 0.0, 12.0]))
+    for one in found:
+        assert one.pf + one.reliability == pytest.approx(1.0, abs=1e-12)
+    assert 0.0 < found[0].reliability < 1e-9
+    assert 0.0 < found[2].pf < 1e-9
+
+
+def test_everything_shared_makes_units_and_missions_fail_together() -> None:
+    asked = [Criterion(1.0), Criterion(1.0, 0.0, 5), Criterion(1.0, None, Binomial(3, 0.5))]
+    found = surface_failures(lambda u: u[:, 0], 1, 1, 4, asked)
+    assert_allclose([f.pf for f in found], ndtr(-1.0) * np.array([1.0, 1.0, 0.875]), rtol=1e-9)
+
+
+def test_one_unit_in_one_mission_needs_no_shared_nodes() -> None:
+    system = SurfaceSystem.of(lambda u: u.sum(axis=1), 3, 2, 1, criteria([3.0]))
+    assert system.rule.weights.size == 1
+
+
+def test_a_constant_surface_is_a_step_at_its_value() -> None:
+    value = 0.1 + 0.2
+    below = float(np.nextafter(value, 0.0))
+    found = surface_failures(
+        lambda u: np.full(u.shape[0], value), 3, 1, 4, criteria([value, below], tau=[None, 0.0])
+    )
+    assert [f.pf for f in found] == [0.0, 1.0, 0.0, 1.0]
+
+
+def test_noise_widens_the_distribution() -> None:
+    system = SurfaceSystem.of(lambda u: u[:, 1], 2, 1, 3, criteria([4.0]))
+    noisy = system.failures(lambda u: u[:, 1], criteria([4.0]), noise=0.5)[0]
+    alone = float(ndtr(-4.0 / np.sqrt(1.25)))
+    assert noisy.pf == pytest.approx(-np.expm1(3 * np.log1p(-alone)), rel=1e-3)
+
+
+def test_infinite_and_missing_regions_have_their_probability() -> None:
+    def outcomes(u: FloatArray) -> IntArray:
+        far = u[:, 1] + 0.5 * u[:, 2]
+        return np.select([far > 2.0, far < -2.0], [NEVER, MISSING], default=FINITE)
+
+    def surface(u: FloatArray) -> FloatArray:
+        # says nothing about where the holes are
+        return 0.1 * u[:, 0] + u[:, 1]
+
+    asked = criteria([1e3, -1e3], missions=[1, 2])
+    system = SurfaceSystem.of(surface, 3, 1, 1, asked, complete=False)
+    found = system.failures(surface, asked, outcomes)
+    hole = float(ndtr(-2.0 / np.sqrt(1.25)))
+    # borders are known to half the distance between points, 0.2 standard deviations
+    assert found[0].pf_low == pytest.approx(hole, rel=0.25)
+    assert found[0].pf_high == pytest.approx(2.0 * hole, rel=0.25)
+    assert found[1].pf_low == pytest.approx(1.0 - hole, rel=0.01)
+    assert found[1].pf_high == pytest.approx(1.0)
+    assert found[2].pf_high == pytest.approx(1.0 - (1.0 - 2.0 * hole) ** 2, rel=0.25)
+
+
+def test_a_surface_that_is_not_finite_is_refused() -> None:
+    def broken(u: FloatArray) -> FloatArray:
+        return np.where(u[:, 1] > 3.0, np.nan, u[:, 1])
+
+    with pytest.raises(ValueError, match="not finite"):
+        surface_failures(broken, 2, 0, 1, criteria([1.0]))
+
+
+def test_scarce_points_are_admitted() -> None:
+    def round_about(u: FloatArray) -> FloatArray:
+        return (u**2).sum(axis=1)
+
+    plan = plan_surface(round_about, 5, 0)
+    rule = plan.rule(40_000)
+    assert not rule.resolved
+    assert rule.points.shape[0] <= 40_000
+    found = system_failures(
+        rule.responses(round_about(rule.points)), rule.weights, 1, criteria(9.0)
+    )
+    assert found[0].pf == pytest.approx(chi2.sf(9.0, 5), rel=0.2)
+
+
+def test_changes_follow_other_surfaces() -> None:
+    def surface(u: FloatArray) -> FloatArray:
+        return 0.4 * u[:, 0] + u[:, 1] + 0.05 * u[:, 1] ** 2
+
+    asked = criteria([2.0, 4.0], tau=[None, 3.0])
+    system = SurfaceSystem.of(surface, 2, 1, 3, asked)
+    shifts = np.array([0.0, 0.1, -0.1])
+    found = system.changes(surface, lambda u: surface(u) + shifts[:, None], asked)
+    assert found.shape == (3, 4)
+    assert_allclose(found[0], 0.0, atol=1e-12)
+    before = np.array([f.pf for f in system.failures(surface, asked)])
+    after = np.array([f.pf for f in system.failures(lambda u: surface(u) + 0.1, asked)])
+    assert_allclose(found[1], ndtri(before) - ndtri(after), rtol=0.05, atol=2e-3)

@@ -1,0 +1,270 @@
+"""Active-learning Kriging: a Gaussian process that asks for the runs that its answers hang on.
+
+Units and missions share one response surface over the inputs of one unit, so one process is
+learned and all criteria are read off it. The loop is made of separate parts: a first design
+(`surrogates.designs`), candidates that gather where the surface decides the answers
+(`surrogates.importance_cloud`, `system.influence`), a learning function that picks a batch of
+them (`surrogates.learning`), a stopping rule with an independent check (`active_stopping`), and
+the integration over the surface (`response_surface`), which reaches rare events without sampling.
+
+References
+----------
+Echard B., Gayton N., Lemaire M. AK-MCS: an active learning reliability method combining Kriging
+and Monte Carlo simulation. Structural Safety 33 (2011) 145-154.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from uqfold.evaluation import TimeLimitError
+from uqfold.methods.active_question import Question
+from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
+from uqfold.methods.active_view import View
+from uqfold.methods.ask_tell import SequentialMethod, Steps
+from uqfold.methods.base import Solution, Task
+from uqfold.methods.response_surface import DesignRuns, affordable_runs, surface_estimates
+from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.designs import space_filling_design
+from uqfold.surrogates.gaussian_process import GaussianProcess
+from uqfold.surrogates.kernel_choice import KernelFits
+from uqfold.surrogates.kernels import Kernel
+from uqfold.surrogates.learning import LearningFunction
+from uqfold.system.surface_rule import MAX_POINTS
+from uqfold.typing import FloatArray, IntArray
+
+KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
+MAX_RUNS = 1_000
+"""Ceiling on the training size: every step of learning costs its cube."""
+# Evaluations of the correlation function that an integration over the surface may cost.
+_MOST_CORRELATIONS = 40_000_000
+# Length scales shorter than this many standard deviations of an input mean a jump or a wiggle.
+_ROUGH = 0.3
+# A threshold is near to the runs when it lies beyond them by less than this share of their range.
+_NEAR = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class ActiveKrigingDetails:
+    """How active learning went.
+
+    Attributes
+    ----------
+    surface
+        The trained Gaussian process, with training points, hyperparameters, `mean` and `std`.
+    history_runs
+        Training runs (S,) at each step of learning.
+    history_beta, history_std
+        Reliability indices (S, n_criteria), cut at +-8, and their stated standard deviations.
+    checks
+        The checks by runs kept out of the training set. The runs of a check that failed have
+        joined it afterwards.
+    """
+
+    surface: GaussianProcess
+    history_runs: IntArray
+    history_beta: FloatArray
+    history_std: FloatArray
+    checks: tuple[Check, ...]
+
+    @classmethod
+    def of(
+        cls, surface: GaussianProcess, stability: Stability, checks: Sequence[Check]
+    ) -> ActiveKrigingDetails:
+        """Gather what the loop has seen."""
+        views = stability.views
+        return cls(
+            surface=surface,
+            history_runs=np.array([view.process.y.size for view in views], dtype=np.int64),
+            history_beta=np.array([view.beta for view in views]),
+            history_std=np.array([view.beta_std for view in views]),
+            checks=tuple(checks),
+        )
+
+
+@dataclass(frozen=True)
+class ActiveKriging(SequentialMethod):
+    """Kriging that chooses its own runs, for all criteria at once, and has itself checked.
+
+    It is ``converged`` only if no reliability index has moved by more than `tolerance` over two
+    steps, none is stated to be less certain than that, and `controls` runs kept out of the
+    training set agree with the surface. Otherwise it learns on, until `runs` are spent.
+
+    Attributes
+    ----------
+    runs
+        Most model runs, control runs included; fewer if the budget allows fewer. More than
+        1,000 are `unsupported`.
+    initial
+        Runs of the first design; None: three for each input, at least 12. Never fewer than a
+        fit needs, which is two for each input and two more.
+    batch
+        Runs of each step, which may be made in parallel.
+    explore
+        How many of them go where no run has been yet, whatever the surface says: they find
+        failure regions that it knows nothing of.
+    learning
+        ``variance``: the runs that reduce the posterior variance of the answers most. ``u`` and
+        ``eff``: the classical functions U and EFF; they know levels only, so that rows with a
+        synchronization threshold count through T alone.
+    kernel
+        ``gaussian`` for smooth models, ``matern52`` for rougher ones; ``best`` fits both and
+        keeps the one that predicts left-out runs better without being too sure of itself.
+    noise
+        Standard deviation of what the model does at the smallest scale, in the unit of the
+        response; None learns it. It counts as a part of the response.
+    tolerance
+        Change of a reliability index -Phi^-1(pf) that does not matter: 0.005 is 1.3 % of pf at
+        1e-2 and 2.5 % at 1e-6.
+    controls
+        Runs of each check.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+    """
+
+    name: ClassVar[str] = "ak-mcs"
+    title: ClassVar[str] = "active Kriging"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    runs: int = 100
+    initial: int | None = None
+    batch: int = 6
+    explore: int = 1
+    learning: LearningFunction = "variance"
+    kernel: KernelChoice = "best"
+    noise: float | None = None
+    tolerance: float = 0.005
+    controls: int = 6
+
+    def __post_init__(self) -> None:
+        least = {"runs": 1, "initial": 2, "batch": 1, "explore": 0, "controls": 2}
+        for name, smallest in least.items():
+            value = getattr(self, name)
+            if value is None and name == "initial":
+                continue
+            if isinstance(value, bool) or int(value) != value or value < smallest:
+                raise ValueError(f"{name} = {value}: give a whole number >= {smallest}")
+        if self.explore >= self.batch and self.explore > 0:
+            raise ValueError(f"explore = {self.explore}: less than batch = {self.batch}, or 0")
+        if self.learning not in get_args(LearningFunction):
+            choice = get_args(LearningFunction)
+            raise ValueError(f"learning = {self.learning!r}: choose from {choice}")
+        if self.kernel not in get_args(KernelChoice):
+            raise ValueError(f"kernel = {self.kernel!r}: choose from {get_args(KernelChoice)}")
+        if self.noise is not None and not (math.isfinite(self.noise) and self.noise >= 0.0):
+            raise ValueError(f"noise = {self.noise}: give a standard deviation >= 0, or None")
+        if not 0.0 < self.tolerance < 1.0:
+            raise ValueError(f"tolerance = {self.tolerance}: give a number in (0, 1)")
+
+    @property
+    def stochastic(self) -> bool:
+        """True: design, candidates and control runs are drawn."""
+        return True
+
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Refuse more training runs than the steps of learning can bear."""
+        if self.runs > MAX_RUNS:
+            return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
+        return super().supports(problem, criterion)
+
+    def _steps(self, task: Task) -> Steps:
+        inputs, rng = task.problem.inputs, task.generator()
+        least = 2 * inputs.dimension + 2
+        total = affordable_runs(task, self.runs, least)
+        first = max(12, 3 * inputs.dimension) if self.initial is None else max(self.initial, least)
+        u = space_filling_design(min(first, total), inputs.dimension, rng)
+        y = yield inputs.from_standard_normal(u)
+        kernels: tuple[Kernel, ...]
+        kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
+        fits = KernelFits(kernels, self.noise)
+        stability, checks, why = Stability(self.tolerance), list[Check](), ""
+        while True:
+            runs = DesignRuns(u, y, y.size)
+            if not runs.fittable:
+                return runs.without_surface(task)
+            surface = fits.fit(runs.u[runs.finite], runs.y[runs.finite])
+            view = View.of(surface, Question.of(task, runs), rng)
+            stability.views.append(view)
+            if task.session.watched:
+                task.session.report(view.running())
+            left = total - runs.y.size
+            if left == 0:
+                why = stability.unfinished(checks)
+                break
+            check_now = stability.reached and left >= self.controls
+            if check_now:
+                new = control_points(view, self.controls, rng)
+            else:
+                new = self._next(view, runs, min(self.batch, left), rng)
+            try:
+                answer = yield inputs.from_standard_normal(new)
+            except TimeLimitError as error:
+                why = str(error)
+                break
+            if check_now:
+                checks.append(Check.of(view, new, answer, self.tolerance))
+                if checks[-1].passed:
+                    break
+            u, y = np.concatenate([u, new]), np.concatenate([y, answer])
+        trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
+        estimates = surface_estimates(
+            task, surface, runs, rng,
+            noise=surface.noise_std,
+            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
+            beta_std=max(1.0, *trust) * view.beta_std,
+        )  # fmt: skip
+        estimates = [
+            _qualified(estimate, why, _doubts(criterion, surface))
+            for criterion, estimate in zip(task.criteria, estimates, strict=True)
+        ]
+        return Solution(estimates, ActiveKrigingDetails.of(surface, stability, checks))
+
+    def _next(
+        self, view: View, runs: DesignRuns, size: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Choose the runs (size, d) of the next step."""
+        explored = min(self.explore, size - 1)
+        u, candidates = view.candidates(rng)
+        chosen = u[candidates.batch(self.learning, size - explored)]
+        # fewer candidates than wanted leave room for exploration
+        known = np.concatenate([runs.u, chosen])
+        return np.concatenate([chosen, unvisited(view, known, size - chosen.shape[0], rng)])
+
+
+def _doubts(criterion: Criterion, surface: GaussianProcess) -> list[str]:
+    """Why an answer should not be believed although the surface has passed its check."""
+    doubts = []
+    shortest = float(surface.hyperparameters.length_scales.min())
+    if shortest < _ROUGH:
+        doubts.append(
+            f"the response changes within {shortest:.2g} standard deviations of an input, as if "
+            "it jumped, which no smooth surface can follow"
+        )
+    if criterion.tau is None and math.isfinite(criterion.threshold):
+        near = _NEAR * float(np.ptp(surface.y))
+        if not surface.y.min() - near <= criterion.threshold <= surface.y.max() + near:
+            doubts.append("no run has come near the threshold: pf is an extrapolation")
+    return doubts
+
+
+def _qualified(estimate: Estimate, unfinished: str, doubts: list[str]) -> Estimate:
+    """Take ``converged`` away from an estimate where there is a reason, and say it."""
+    reasons = [*doubts, unfinished] if unfinished else doubts
+    if estimate.status in NO_ANSWER or not reasons:
+        return estimate
+    doubtful = doubts or estimate.status == "doubtful"
+    return replace(
+        estimate,
+        status="doubtful" if doubtful else "budget_exhausted",
+        message="; ".join([estimate.message, *reasons] if estimate.message else reasons),
+    )

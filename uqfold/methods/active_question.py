@@ -1,0 +1,164 @@
+"""What a response surface is asked: the criteria of a task, and where they are decided."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.methods.base import Task
+from uqfold.methods.response_surface import DesignRuns
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.surrogates.gaussian_process import GaussianProcess
+from uqfold.system.influence import Influence, influences
+from uqfold.system.lines import FINITE
+from uqfold.system.missions import over_missions
+from uqfold.system.surface_rule import plan_surface
+from uqfold.typing import BoolArray, FloatArray
+
+# Points of the integration over the surface at every step of learning: enough to see how much the
+# answers still move. The final answers take many more.
+_COARSE_POINTS = 6_000
+_ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """Failure probabilities under a mean surface, and how they answer to its changes.
+
+    Attributes
+    ----------
+    question
+        What was asked.
+    pf
+        Failure probabilities (C,), coarsely; None where a single response decides them, which
+        sampling tells as well.
+    shared_nodes
+        Nodes (K, d_shared) in standard-normal space at which `influences` are given.
+    influences
+        Influence of the response at each node, for each criterion.
+    """
+
+    question: Question
+    pf: FloatArray | None
+    shared_nodes: FloatArray
+    influences: Sequence[Sequence[Influence]]
+
+    def influence_at(
+        self, u: FloatArray, mean: FloatArray, std: FloatArray, thickness: FloatArray
+    ) -> FloatArray:
+        """Influence (C, N) of the surface at points u on pf, averaged over its posterior there.
+
+        Parameters
+        ----------
+        u
+            Points (N, d).
+        mean, std
+            Posterior mean and standard deviation of the surface there (N,).
+        thickness
+            Least standard deviation (C,) with which each level is seen.
+        """
+        criteria = self.question.criteria
+        v = u[:, : self.shared_nodes.shape[1]]
+        nearest = ((v[:, None, :] - self.shared_nodes) ** 2).sum(axis=2).argmin(axis=1)
+        values = np.empty((len(criteria), u.shape[0]))
+        for row, criterion in enumerate(criteria):
+            s = np.maximum(std, thickness[row])
+            jump = np.array([at_node[row].jump for at_node in self.influences])
+            values[row] = jump[nearest] * normal_density(criterion.threshold, mean, s)
+        for node in np.unique(nearest):
+            here = nearest == node
+            for row, own in enumerate(self.influences[node]):
+                if own.y.size:
+                    values[row, here] += own.rest(mean[here])
+        if self.question.usable is not None:
+            # another infinite response would teach the surface nothing
+            values *= self.question.usable(u)
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """The criteria of a task as functionals of a response surface over standard-normal space.
+
+    Attributes
+    ----------
+    dimension, n_shared
+        Number of variables, and how many of them (the first ones) are shared.
+    units
+        Number of exchangeable units in series.
+    criteria
+        The criteria.
+    usable
+        Tells where responses (of points (n, d)) are finite, or None: everywhere.
+    """
+
+    dimension: int
+    n_shared: int
+    units: int
+    criteria: tuple[Criterion, ...]
+    usable: Callable[[FloatArray], BoolArray] | None = None
+
+    @classmethod
+    def of(cls, task: Task, runs: DesignRuns) -> Question:
+        """Give the question of a task; where it has finite responses, the runs so far tell."""
+        inputs = task.problem.inputs
+
+        def usable(u: FloatArray) -> BoolArray:
+            return np.asarray(runs.outcomes(u) == FINITE)
+
+        return cls(
+            inputs.dimension,
+            inputs.n_shared,
+            task.problem.n_units,
+            task.criteria,
+            None if runs.complete else usable,
+        )
+
+    @property
+    def together(self) -> bool:
+        """Whether all units and missions give one response: one of each, or all is shared."""
+        single = self.units == 1 and all(c.missions == 1 for c in self.criteria)
+        return single or self.n_shared == self.dimension
+
+    @property
+    def levels(self) -> FloatArray:
+        """The finite thresholds (L,)."""
+        levels = np.unique([c.threshold for c in self.criteria])
+        return np.asarray(levels[np.isfinite(levels)])
+
+    def answers(self, process: GaussianProcess) -> Answers:
+        """Integrate the mean surface of a process, coarsely."""
+        if self.together:
+            nothing = np.empty(0)
+            single = [
+                Influence(math.nan, c.threshold, flown(c), nothing, nothing) for c in self.criteria
+            ]
+            return Answers(self, None, np.zeros((1, 0)), [single])
+        rule = plan_surface(process.mean, self.dimension, self.n_shared).rule(_COARSE_POINTS)
+        found = [
+            influences(response, self.units, self.criteria)
+            for response in rule.responses(process.mean(rule.points))
+        ]
+        failure = np.array([[one.failure for one in at_node] for at_node in found])
+        pf = [
+            rule.weights @ over_missions(column, 1.0 - column, criterion.missions)[0]
+            for column, criterion in zip(failure.T, self.criteria, strict=True)
+        ]
+        return Answers(self, np.array(pf), rule.shared_nodes, found)
+
+
+def normal_density(y: float, mean: FloatArray, std: FloatArray) -> FloatArray:
+    """Density of normal distributions at y; far from it, where squares overflow, too."""
+    z = np.minimum(np.abs(mean - y) / std, 40.0)
+    return np.asarray(np.exp(-0.5 * z * z) / (std * _ROOT_TWO_PI))
+
+
+def flown(criterion: Criterion) -> float:
+    """Probability that a mission takes place at all."""
+    missions = criterion.missions
+    if not isinstance(missions, Binomial):
+        return 1.0
+    return 1.0 - (1.0 - missions.p) ** missions.planned

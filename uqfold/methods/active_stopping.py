@@ -1,0 +1,159 @@
+"""When active learning may stop: answers that stay, and model runs that confirm the surface.
+
+A surrogate that has missed a failure region, or trusts itself too much, gives answers that are
+stable and wrong. So stability alone never ends the loop: some runs are made that the surrogate
+has not been trained on, near the limits that decide the answers and where no run has been yet,
+and it has to foretell them within its own stated error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uqfold.methods.active_view import View
+from uqfold.surrogates.importance_cloud import WideProposal, resampled
+from uqfold.typing import FloatArray
+
+# Steps of learning over which answers have to stay the same.
+_STEPS = 2
+# A control run further from its prediction than this many stated standard deviations fails the
+# check; so do all of them together when their root mean square exceeds the second number.
+_FARTHEST_Z, _LARGEST_RMS = 3.0, 2.0
+# Regions whose probability could reach this share of pf are worth looking into.
+_SHARE = 0.02
+_LOOKED_AT = 512
+
+
+@dataclass
+class Stability:
+    """Stopping rule: reliability indices that neither move nor are uncertain.
+
+    How far an index has moved is told by how far the surface has, where it matters: to first
+    order in its change, without the noise of two separate integrations.
+
+    Attributes
+    ----------
+    tolerance
+        Largest change of an index over two steps of learning, and largest stated standard
+        deviation.
+    views
+        What was seen, step by step.
+    """
+
+    tolerance: float
+    views: list[View] = field(default_factory=list)
+
+    @property
+    def reached(self) -> bool:
+        """Whether the answers are stable."""
+        if len(self.views) <= _STEPS:
+            return False
+        now = self.views[-1]
+        moved = max(now.moved_since(view).max() for view in self.views[-_STEPS - 1 : -1])
+        return bool(max(moved, now.beta_std.max()) <= self.tolerance)
+
+    def unfinished(self, checks: Sequence[Check]) -> str:
+        """Say why the loop ended before its end."""
+        if checks and not checks[-1].passed and not self.reached:
+            why = "the last check by independent runs did not agree with the surface"
+        elif self.reached:
+            why = "no runs were left to check the surface independently"
+        else:
+            why = f"the reliability indices were not yet stable to {self.tolerance:g}"
+        return f"after {self.views[-1].process.y.size} training runs {why}"
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """Model runs kept out of the training set, against what the surrogate had foretold.
+
+    Attributes
+    ----------
+    u
+        Where they were made (m, d), in standard-normal space.
+    residuals
+        Response minus prediction (m,), NaN where the response is not finite.
+    std
+        Standard deviation (m,) that the surrogate states for it, noise included.
+    passed
+        Whether the surrogate's own error explains the residuals, or they are too small to matter.
+    """
+
+    u: FloatArray
+    residuals: FloatArray
+    std: FloatArray
+    passed: bool
+
+    @classmethod
+    def of(cls, view: View, u: FloatArray, y: FloatArray, tolerance: float) -> Check:
+        """Compare responses y (m,) at u (m, d) with the surrogate of a view.
+
+        Parameters
+        ----------
+        view
+            The surrogate, and how its surface moves the answers.
+        u, y
+            The runs.
+        tolerance
+            Change of a reliability index that does not matter.
+        """
+        mean, std = view.process.mean_and_std(u)
+        std = np.hypot(std, view.process.noise_std)
+        finite = np.isfinite(y)
+        residuals = np.where(finite, y - mean, np.nan)
+        if not finite.any():
+            return cls(u, residuals, std, passed=False)
+        z = np.abs(residuals / std)[finite]
+        matters = np.abs(residuals[finite]) * view.shift.max() > tolerance
+        explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
+        return cls(u, residuals, std, bool(explained or not matters.any()))
+
+    @property
+    def overconfidence(self) -> float:
+        """Root mean square of the residuals in units of their stated standard deviations."""
+        z = (self.residuals / self.std)[np.isfinite(self.residuals)]
+        return _rms(z) if z.size else 1.0
+
+
+def control_points(view: View, count: int, rng: np.random.Generator) -> FloatArray:
+    """Choose points (count, d) for a check.
+
+    Two thirds are drawn near the limits, in proportion to their share in the answers; the others
+    lie where no run has been yet.
+    """
+    far = count // 3
+    likely = rng.permutation(resampled(view.importance, 20 * count, rng))
+    # each point once, but the important ones, which come often, first
+    first = np.sort(np.unique(likely, return_index=True)[1])[: count - far]
+    near = view.u[likely[first]]
+    known = np.concatenate([view.process.u, near])
+    return np.concatenate([near, unvisited(view, known, count - near.shape[0], rng)])
+
+
+def unvisited(view: View, known: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+    """Choose points (count, d) far from all known ones, but not further out than matters.
+
+    A failure region beyond the radius in use holds less than two percent of the smallest pf.
+    """
+    from scipy.special import ndtri
+
+    d = view.question.dimension
+    smallest = max(float(np.minimum(view.pf, 1.0 - view.pf).min()), 1e-9)
+    reach = float(-ndtri(_SHARE * smallest))
+    wide = WideProposal(d).draw(np.clip(rng.random((_LOOKED_AT, d + 1)), 1e-12, 1.0 - 1e-12))
+    length = np.sqrt((wide**2).sum(axis=1))
+    wide *= np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None]
+    chosen = np.empty((0, d))
+    for _ in range(count):
+        others = np.concatenate([known, chosen])
+        distance = ((wide[:, None, :] - others[None, :, :]) ** 2).sum(axis=2).min(axis=1)
+        chosen = np.concatenate([chosen, wide[[int(np.argmax(distance))]]])
+    return chosen
+
+
+def _rms(z: FloatArray) -> float:
+    return math.sqrt(float(np.mean(z**2)))

@@ -1,0 +1,115 @@
+"""Methods that run the model in steps, and the session through which a caller runs it himself.
+
+The hook of such a method is a generator that yields rows X and receives their responses y. Driven
+by `estimate` it calls the model; driven by an `AskTellSession` it waits for whoever runs the model
+elsewhere: a cluster, a test bench, another program. Both give the same answer.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from os import PathLike
+from typing import final
+
+from uqfold.evaluation import Evaluator, TimeLimitError
+from uqfold.methods import session_file
+from uqfold.methods.arguments import CriteriaLike
+from uqfold.methods.ask_tell_session import AskTellSession, Steps, returned_by
+from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.seeding import RandomSource
+from uqfold.problems.base import Problem
+
+__all__ = ["AskTellSession", "SequentialMethod", "Steps"]
+
+
+@dataclass(frozen=True)
+class SequentialMethod(ReliabilityMethod):
+    """A method that asks for model runs step by step; its hook is the generator `_steps`.
+
+    When the wall-clock limit of the evaluator is over, `TimeLimitError` is raised at the ``yield``.
+    """
+
+    @abstractmethod
+    def _steps(self, task: Task) -> Steps:
+        """Answer the criteria of `task`: yield rows to run, receive their responses."""
+
+    @final
+    def _solve(self, task: Task) -> Solution:
+        steps = self._steps(task)
+        try:
+            x = next(steps)
+            while True:
+                try:
+                    y = task.evaluate(x)
+                except TimeLimitError as error:
+                    # a method may conclude from the runs that it has
+                    x = steps.throw(error)
+                else:
+                    x = steps.send(y)
+        except StopIteration as stop:
+            return returned_by(stop)
+
+    @final
+    def start(
+        self,
+        problem: Problem,
+        criteria: CriteriaLike = None,
+        *,
+        max_evals: int | None = None,
+        rng: RandomSource = None,
+        evaluator: Evaluator | None = None,
+    ) -> AskTellSession:
+        """Start an estimate whose model runs the caller makes.
+
+        Parameters as in `estimate`. The problem's own model is never called; of the evaluator,
+        the policy for failed runs and the progress display are used.
+
+        Returns
+        -------
+        AskTellSession
+            Ask it for rows, tell it their responses, and take its result when it is done.
+        """
+        return AskTellSession(self, problem, criteria, max_evals, rng, evaluator)
+
+    @final
+    def resume(
+        self,
+        path: str | PathLike[str],
+        problem: Problem,
+        criteria: CriteriaLike = None,
+        *,
+        max_evals: int | None = None,
+        rng: RandomSource = None,
+        evaluator: Evaluator | None = None,
+    ) -> AskTellSession:
+        """Go on with a session saved by `AskTellSession.save`, by replaying its responses.
+
+        Parameters
+        ----------
+        path
+            The file.
+        problem, criteria, evaluator
+            As in `start`; they are compared with what the file recorded.
+        max_evals, rng
+            None takes both from the file. Other values must be those of the file.
+
+        Raises
+        ------
+        SessionFileError
+            If the file is damaged, is no session file, or belongs to another method, problem,
+            criteria, budget, seed or policy for failed runs.
+        """
+        saved = session_file.read(path)
+        if max_evals is None:
+            max_evals = saved.header["max_evals"]
+        session = self.start(
+            problem,
+            criteria,
+            max_evals=max_evals,
+            rng=saved.header["seed"] if rng is None else rng,
+            evaluator=evaluator,
+        )
+        saved.check_belongs_to(session.header())
+        session.replay(saved)
+        return session

@@ -1,0 +1,158 @@
+"""Kriging: one Gaussian-process surface over all inputs, and every answer from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias, get_args
+
+from uqfold.methods.ask_tell import SequentialMethod, Steps
+from uqfold.methods.base import Solution, Task
+from uqfold.methods.response_surface import (
+    DesignRuns,
+    Rival,
+    affordable_runs,
+    surface_estimates,
+)
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design
+from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
+from uqfold.surrogates.kernels import Kernel
+from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
+from uqfold.system.surface_rule import MAX_POINTS
+from uqfold.typing import IntArray
+
+Trend: TypeAlias = Literal["best", "constant", "linear", "quadratic", "pce"]
+KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
+
+MAX_RUNS = 2_000
+"""Ceiling on the training size: a fit costs its cube."""
+_DEGREES = {"constant": 0, "linear": 1, "quadratic": 2}
+# Evaluations of the correlation function that an integration over the surface may cost.
+_MOST_CORRELATIONS = 80_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class KrigingDetails:
+    """The surface of a `Kriging` run.
+
+    Attributes
+    ----------
+    surface
+        The Gaussian process, with training points, hyperparameters, `mean` and `std`.
+    cross_validation
+        Leave-one-out residuals.
+    relative_error
+        Their root mean square, as a share of the standard deviation of the training responses.
+    """
+
+    surface: GaussianProcess
+    cross_validation: LeaveOneOut
+    relative_error: float
+
+
+@dataclass(frozen=True)
+class Kriging(SequentialMethod):
+    """Kriging on a space-filling design, integrated over without sampling.
+
+    A Gaussian process with a polynomial trend is fitted to the responses at a Sobol' design in
+    standard-normal space, spread wider than the inputs so that it reaches into the tails. The
+    conditional distribution of the response given the shared inputs, and from it every criterion
+    with its missions and tau, follow by integration over the surface. Surfaces drawn from the
+    posterior give the stated error.
+
+    Attributes
+    ----------
+    runs
+        Model runs; fewer if the budget allows fewer. More than 2,000 are `unsupported`.
+    trend
+        ``constant``, ``linear`` or ``quadratic`` polynomial, or ``pce``: the polynomials that a
+        sparse polynomial chaos expansion picks; ``best``: the better of the last two.
+    kernel
+        ``gaussian`` for smooth models, ``matern52`` for rougher ones; ``best``: the better one.
+        What is better predicts left-out runs with the higher density; the distance between the
+        answers of the best and the others is a part of the stated error.
+    noise
+        Standard deviation of what the model does at the smallest scale, in the unit of the
+        response; None learns it. It counts as a part of the response.
+    spread
+        Standard deviation of the design points, in standard deviations of the inputs.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+    """
+
+    name: ClassVar[str] = "kriging"
+    title: ClassVar[str] = "Kriging"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    runs: int = 100
+    trend: Trend = "best"
+    kernel: KernelChoice = "best"
+    noise: float | None = None
+    spread: float = DEFAULT_SPREAD
+
+    def __post_init__(self) -> None:
+        if isinstance(self.runs, bool) or int(self.runs) != self.runs or self.runs < 1:
+            raise ValueError(f"runs = {self.runs}: give a whole number >= 1")
+        if self.trend not in get_args(Trend):
+            raise ValueError(f"trend = {self.trend!r}: choose from {get_args(Trend)}")
+        if self.kernel not in get_args(KernelChoice):
+            raise ValueError(f"kernel = {self.kernel!r}: choose from {get_args(KernelChoice)}")
+        if self.noise is not None and not (math.isfinite(self.noise) and self.noise >= 0.0):
+            raise ValueError(f"noise = {self.noise}: give a standard deviation >= 0, or None")
+        check_spread(self.spread)
+
+    @property
+    def stochastic(self) -> bool:
+        """True: the design is scrambled."""
+        return True
+
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Refuse more training runs than a fit can bear."""
+        if self.runs > MAX_RUNS:
+            return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
+        return super().supports(problem, criterion)
+
+    def _steps(self, task: Task) -> Steps:
+        inputs = task.problem.inputs
+        size = affordable_runs(task, self.runs, least=2 * inputs.dimension + 2)
+        u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
+        y = yield inputs.from_standard_normal(u)
+        runs = DesignRuns(u, y, self.runs)
+        if not runs.fittable:
+            return runs.without_surface(task)
+        surface, *others = self._fitted(task, runs)
+        estimates = surface_estimates(
+            task, surface, runs, task.generator(1),
+            noise=surface.noise_std,
+            rivals=[Rival.by_prediction(surface, other) for other in others],
+            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // size),
+        )  # fmt: skip
+        validated = surface.leave_one_out()
+        scatter = float(surface.y.std())
+        relative = validated.rms / scatter if scatter > 0.0 else 0.0
+        return Solution(estimates, KrigingDetails(surface, validated, relative))
+
+    def _fitted(self, task: Task, runs: DesignRuns) -> list[GaussianProcess]:
+        """Processes with the trends and kernels that are tried, the best one first."""
+        u, y = runs.u[runs.finite], runs.y[runs.finite]
+        names = ("quadratic", "pce") if self.trend == "best" else (self.trend,)
+        trends: list[int | IntArray] = [
+            fit_polynomial_chaos(u, y).indices if name == "pce" else _DEGREES[name]
+            for name in names
+        ]
+        kernels: tuple[Kernel, ...]
+        kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
+        fits = [
+            fit_gaussian_process(
+                u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
+            )
+            for trend in trends
+            for kernel in kernels
+        ]
+        return sorted(fits, key=lambda fit: fit.leave_one_out().log_density, reverse=True)

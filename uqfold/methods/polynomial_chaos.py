@@ -1,0 +1,189 @@
+"""Polynomial chaos: one expansion over all inputs, and every answer from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from uqfold.inputs import JointInputs
+from uqfold.methods.ask_tell import SequentialMethod, Steps
+from uqfold.methods.base import Solution, Task
+from uqfold.methods.factorial_design import Nodes, affordable_design, check_nodes
+from uqfold.methods.response_surface import (
+    DesignRuns,
+    Rival,
+    affordable_runs,
+    surface_estimates,
+)
+from uqfold.moments.quadrature import tensor_grid
+from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design
+from uqfold.surrogates.polynomial_chaos import (
+    PolynomialChaosExpansion,
+    SobolIndices,
+    fit_basis,
+    fit_polynomial_chaos,
+)
+from uqfold.typing import FloatArray
+
+Design: TypeAlias = Literal["space-filling", "ffni"]
+
+
+@dataclass(frozen=True, eq=False)
+class PolynomialChaosDetails:
+    """The surface of a `PolynomialChaos` run.
+
+    Attributes
+    ----------
+    surface
+        The expansion: multi-indices, coefficients, `mean`, `to_chaospy`.
+    sobol_indices
+        Sensitivity of the response to each input, in the order of the problem's inputs. With
+        dependent inputs: to the variables of the Rosenblatt transformation.
+    cross_validation
+        Leave-one-out residuals.
+    relative_error
+        Their root mean square, as a share of the standard deviation of the training responses.
+    """
+
+    surface: PolynomialChaosExpansion
+    sobol_indices: SobolIndices
+    cross_validation: LeaveOneOut
+    relative_error: float
+
+
+@dataclass(frozen=True)
+class PolynomialChaos(SequentialMethod):
+    """Polynomial chaos expansion by regression, integrated over without sampling.
+
+    Hermite polynomials in the standard-normal space of the Rosenblatt transformation are fitted
+    to the responses at a design, with a degree that the corrected leave-one-out error chooses.
+    The conditional distribution of the response given the shared inputs, and from it every
+    criterion with its missions and tau, follow by integration over the expansion. The residuals
+    are carried into the stated error.
+
+    Attributes
+    ----------
+    runs
+        Model runs of the space-filling design; fewer if the budget allows fewer.
+    sparse
+        Whether least-angle regression may leave polynomials out, or all up to the degree stay.
+    max_degree
+        Highest total degree that is tried.
+    design
+        ``space-filling``, or ``ffni``: the nodes of full-factorial numerical integration, so that
+        runs already made for that method serve twice.
+    nodes_shared, nodes_individual
+        The counts of nodes for ``ffni``, as in `FFNIPearson`, at least 2. Few nodes per input
+        cannot see its high powers; what their highest visible power changes is a part of the
+        stated error.
+    spread
+        Standard deviation of the space-filling points, in standard deviations of the inputs.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+    """
+
+    name: ClassVar[str] = "pce"
+    title: ClassVar[str] = "Polynomial chaos"
+    bounds_failed_runs: ClassVar[bool] = True
+
+    runs: int = 100
+    sparse: bool = True
+    max_degree: int = 10
+    design: Design = "space-filling"
+    nodes_shared: Nodes = 3
+    nodes_individual: Nodes = 5
+    spread: float = DEFAULT_SPREAD
+
+    def __post_init__(self) -> None:
+        if isinstance(self.runs, bool) or int(self.runs) != self.runs or self.runs < 1:
+            raise ValueError(f"runs = {self.runs}: give a whole number >= 1")
+        if int(self.max_degree) != self.max_degree or self.max_degree < 1:
+            raise ValueError(f"max_degree = {self.max_degree}: give a whole number >= 1")
+        if self.design not in get_args(Design):
+            raise ValueError(f"design = {self.design!r}: choose from {get_args(Design)}")
+        check_nodes("nodes_shared", self.nodes_shared)
+        check_nodes("nodes_individual", self.nodes_individual)
+        if self.design == "ffni" and min(_all_counts(self)) < 2:
+            raise ValueError(
+                f"nodes_shared = {self.nodes_shared}, nodes_individual = {self.nodes_individual}: "
+                "a single node says nothing about an input, give at least 2"
+            )
+        check_spread(self.spread)
+
+    @property
+    def stochastic(self) -> bool:
+        """Whether the design is scrambled; that of FFNI is fixed."""
+        return self.design == "space-filling"
+
+    def _steps(self, task: Task) -> Steps:
+        inputs = task.problem.inputs
+        if self.design == "ffni":
+            x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
+            u, asked = self._standard_nodes(inputs, x), x.shape[0]
+        else:
+            asked = self.runs
+            size = affordable_runs(task, asked, least=2 * inputs.dimension + 2)
+            u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
+            x = inputs.from_standard_normal(u)
+        y = yield x
+        runs = DesignRuns(u, y, asked)
+        if not runs.fittable:
+            return runs.without_surface(task)
+        fitted = runs.u[runs.finite], runs.y[runs.finite]
+        # n nodes cannot tell u^n from lower powers
+        orders = np.array(self._counts(inputs)) - 1 if self.design == "ffni" else None
+        surface = fit_polynomial_chaos(
+            *fitted, sparse=self.sparse, max_degree=self.max_degree, max_orders=orders
+        )
+        rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
+        rivals = []
+        if orders is not None:
+            # and leaving out one of them does not show what is missing: what the highest power
+            # that they can tell changes stands for that error
+            lower = surface.indices[(surface.indices < orders).all(axis=1)]
+            rivals = [Rival(fit_basis(*fitted, lower), share=1.0)]
+        estimates = surface_estimates(task, surface, runs, rng, rivals=rivals)
+        validated = surface.leave_one_out()
+        scatter = float(fitted[1].std())
+        relative = validated.rms / scatter if scatter > 0.0 else 0.0
+        details = PolynomialChaosDetails(surface, surface.sobol_indices(), validated, relative)
+        return Solution(estimates, details)
+
+    def _standard_nodes(self, inputs: JointInputs, x: FloatArray) -> FloatArray:
+        """Nodes of the factorial design in standard-normal space, in the order of its rows x."""
+        if inputs.independent:
+            columns = zip(inputs.marginals, x.T, strict=True)
+            return np.column_stack(
+                [_normal_scores(marginal, values) for marginal, values in columns]
+            )
+        rules = [np.polynomial.hermite_e.hermegauss(n) for n in self._counts(inputs)]
+        return tensor_grid(rules)[0]
+
+    def _counts(self, inputs: JointInputs) -> list[int]:
+        return [
+            *_repeated(self.nodes_shared, inputs.n_shared),
+            *_repeated(self.nodes_individual, inputs.n_individual),
+        ]
+
+
+def _all_counts(method: PolynomialChaos) -> list[int]:
+    return [*_repeated(method.nodes_shared, 1), *_repeated(method.nodes_individual, 1)]
+
+
+def _repeated(nodes: Nodes, n_variables: int) -> tuple[int, ...]:
+    return (nodes,) * n_variables if isinstance(nodes, int) else nodes
+
+
+def _normal_scores(marginal: Any, x: FloatArray) -> FloatArray:
+    """Standard-normal variable of a marginal's values x (n,), each from its own tail."""
+    from scipy.special import ndtri
+
+    below = np.array(marginal.computeCDF(x[:, None])).ravel()
+    above = np.array(marginal.computeComplementaryCDF(x[:, None])).ravel()
+    return np.asarray(np.where(below < 0.5, ndtri(below), -ndtri(above)))

@@ -1,0 +1,312 @@
+"""What methods with a response surface share: the runs behind it, and the answers from it.
+
+The surface lives in the standard-normal space of the Rosenblatt transformation, shared inputs
+first, so that one surface answers all criteria of the grid. Its own uncertainty is carried into
+an interval: surfaces drawn from its posterior move the reliability index, and their spread is the
+stated error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+
+from uqfold.evaluation import BudgetExceededError
+from uqfold.methods.base import Solution, Task, attempt
+from uqfold.methods.result import Estimate
+from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.lines import ALWAYS, FINITE, MISSING, NEVER
+from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.system.surface_rule import MAX_POINTS, Surface
+from uqfold.typing import BoolArray, FloatArray, IntArray
+
+CI_KIND = "95 % surrogate"
+
+_DRAWS = 20
+_T95 = 2.093
+"""Student's quantile for a spread estimated from 20 draws."""
+_INTEGRATION_ERROR = 1e-4
+"""Error of the integration over the surface, in the reliability index."""
+_POOR_PREDICTION = 0.1
+_WIDE = 0.3
+
+
+class ResponseSurface(Protocol):
+    """A fitted surface over standard-normal space."""
+
+    def mean(self, u: FloatArray) -> FloatArray:
+        """Best values (m,) at u (m, d)."""
+        ...
+
+    def sample_paths(self, rng: np.random.Generator, count: int) -> Surface:
+        """Draw `count` plausible surfaces, as one function of u (m, d) with values (count, m)."""
+        ...
+
+    def leave_one_out(self) -> LeaveOneOut:
+        """Give the residuals of cross-validation."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """Another surface that the same runs allow.
+
+    Attributes
+    ----------
+    mean
+        Its values (m,) at u (m, d).
+    share
+        How much of the distance between its answers and those of the chosen surface counts as an
+        error of the latter.
+    """
+
+    mean: Surface
+    share: float
+
+    @classmethod
+    def by_prediction(cls, best: ResponseSurface, other: ResponseSurface) -> Rival:
+        """A rival whose distance counts the less, the worse it predicts left-out runs."""
+        own, others = best.leave_one_out().rms, other.leave_one_out().rms
+        return cls(other.mean, min(1.0, own / others) if others > 0.0 else 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class DesignRuns:
+    """Model runs at the points of a design.
+
+    Attributes
+    ----------
+    u
+        Points (n, d) in standard-normal space.
+    y
+        Responses (n,): +-inf are valid, NaN are failed runs.
+    asked
+        How many runs the settings ask for.
+    """
+
+    u: FloatArray
+    y: FloatArray
+    asked: int
+
+    @property
+    def finite(self) -> BoolArray:
+        """Which responses are finite (n,)."""
+        return np.asarray(np.isfinite(self.y), dtype=bool)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of them are."""
+        return bool(self.finite.all())
+
+    @property
+    def fittable(self) -> bool:
+        """Whether there are enough finite responses to fit a surface to."""
+        return int(self.finite.sum()) > int(self.u.shape[1]) + 1
+
+    def without_surface(self, task: Task) -> Solution:
+        """Answer where hardly any response is finite: if all are +inf, every criterion fails."""
+        if np.isposinf(self.y).all():
+            return Solution([_never(criterion, self) for criterion in task.criteria])
+        message = (
+            f"only {int(self.finite.sum())} of {self.y.size} responses are finite: too few for a "
+            f"surface over {self.u.shape[1]} inputs"
+        )
+        if task.session.first_failure:
+            message = f"{message}; {task.session.first_failure}"
+        return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
+
+    def outcomes(self, u: FloatArray) -> IntArray:
+        """Kind of outcome at u (m, d): that of the nearest run."""
+        from scipy.spatial import cKDTree
+
+        kinds = np.select(
+            [self.finite, np.isposinf(self.y), np.isneginf(self.y)],
+            [FINITE, NEVER, ALWAYS],
+            default=MISSING,
+        )
+        return np.asarray(kinds[cKDTree(self.u).query(u)[1]])
+
+
+def affordable_runs(task: Task, asked: int, least: int) -> int:
+    """How many runs a design may have: what is asked for, or what the budget allows.
+
+    Raises
+    ------
+    BudgetExceededError
+        If the budget does not allow the `least` runs that a fit needs.
+    """
+    allowed = min(asked, task.session.remaining)
+    if allowed < least:
+        limit = f"max_evals = {task.max_evals}" if asked >= least else f"runs = {asked}"
+        raise BudgetExceededError(
+            f"{limit}, but a surface over {task.problem.inputs.dimension} inputs needs at least "
+            f"{least} runs: raise it"
+        )
+    task.expect(allowed)
+    return allowed
+
+
+def surface_estimates(
+    task: Task,
+    surface: ResponseSurface,
+    runs: DesignRuns,
+    rng: np.random.Generator,
+    *,
+    noise: float = 0.0,
+    rivals: Sequence[Rival] = (),
+    max_points: int = MAX_POINTS,
+    beta_std: FloatArray | None = None,
+) -> list[Estimate]:
+    """Answer the criteria of a task from a fitted surface.
+
+    Parameters
+    ----------
+    task
+        Problem and criteria.
+    surface
+        Fitted to the finite responses of `runs`.
+    runs
+        The runs.
+    rng
+        Source of the draws behind the stated error.
+    noise
+        Standard deviation of what the model does beside the surface, unit by unit.
+    rivals
+        Other surfaces that the runs allow; the distance of their answers is a part of the stated
+        error.
+    max_points
+        Most points at which the surface is evaluated for an answer.
+    beta_std
+        Standard deviations (n_criteria,) of the reliability indices, from a caller who judges
+        the surface himself; None: from surfaces drawn from the posterior, and the surface is
+        judged by cross-validation.
+    """
+    from threadpoolctl import threadpool_limits
+
+    # many small products of matrices: threads that wait for each other make them slower
+    with threadpool_limits(1):
+        return _estimates(task, surface, runs, rng, noise, rivals, max_points, beta_std)
+
+
+def _estimates(
+    task: Task,
+    surface: ResponseSurface,
+    runs: DesignRuns,
+    rng: np.random.Generator,
+    noise: float,
+    rivals: Sequence[Rival],
+    max_points: int,
+    beta_std: FloatArray | None,
+) -> list[Estimate]:
+    problem = task.problem
+    inputs = problem.inputs
+    system = SurfaceSystem.of(
+        surface.mean, inputs.dimension, inputs.n_shared, problem.n_units, task.criteria,
+        max_points, complete=runs.complete,
+    )  # fmt: skip
+    outcomes = None if runs.complete else runs.outcomes
+    validated = surface.leave_one_out()
+    doubts = _doubts(runs, validated if beta_std is None else None, system)
+
+    paths = surface.sample_paths(rng, _DRAWS) if beta_std is None else None
+    shares = np.array([rival.share for rival in rivals])
+
+    def others(u: FloatArray) -> FloatArray:
+        assert paths is not None
+        return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
+
+    def spread_of_answers(criteria: Sequence[Criterion]) -> FloatArray:
+        changes = system.changes(surface.mean, others, criteria, outcomes, noise)
+        # a surface that misses its own runs by more than it says is believed nowhere
+        spread = max(1.0, validated.ratio) * changes[:_DRAWS].std(axis=0, ddof=1)
+        if rivals:
+            distance = shares[:, None] * changes[_DRAWS:]
+            spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
+        return np.asarray(spread)
+
+    def answers(rows: Sequence[int]) -> list[Estimate]:
+        criteria = [task.criteria[row] for row in rows]
+        found = system.failures(surface.mean, criteria, outcomes, noise)
+        spread = spread_of_answers(criteria) if beta_std is None else beta_std[list(rows)]
+        return [_estimate(*pair, doubts, runs) for pair in zip(found, spread, strict=True)]
+
+    def alone(row: int) -> Estimate:
+        return answers([row])[0]
+
+    every = range(len(task.criteria))
+    try:
+        return answers(every)
+    except (ArithmeticError, RuntimeError, ValueError):
+        # one criterion cannot be integrated: the others still get their answers, one by one
+        return [attempt(partial(alone, row)) for row in every]
+
+
+def _estimate(
+    found: SystemProbability, spread: float, doubts: list[str], runs: DesignRuns
+) -> Estimate:
+    from scipy.special import ndtr
+
+    beta = reliability_index(found)
+    spread = math.hypot(spread, _INTEGRATION_ERROR)
+    density = math.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi)
+    std_error = density * spread
+    certain = found.pf in (0.0, 1.0)
+    low, high = (float(ndtr(-beta + sign * _T95 * spread)) for sign in (-1.0, 1.0))
+    if not certain and std_error > _WIDE * min(found.pf, found.reliability):
+        doubts = [*doubts, f"the stated error is above {_WIDE:.0%} of pf or of the reliability"]
+    exhausted = runs.y.size < runs.asked
+    if exhausted:
+        note = [f"{runs.y.size} of the {runs.asked} runs that the settings ask for"]
+    return Estimate(
+        pf=found.pf,
+        reliability=found.reliability,
+        std_error=0.0 if certain else std_error,
+        ci_low=found.pf if certain else min(low, found.pf),
+        ci_high=found.pf if certain else max(high, found.pf),
+        ci_kind=CI_KIND,
+        pf_low=found.pf_low,
+        pf_high=found.pf_high,
+        error_kind="surrogate",
+        status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
+        message="; ".join([*doubts, *(note if exhausted else [])]),
+    )
+
+
+def _never(criterion: Criterion, runs: DesignRuns) -> Estimate:
+    """Answer where the model gave nothing but +inf."""
+    response = ConditionalResponse(None, p_never=1.0)
+    found = system_failures([response], [1.0], 1, [criterion])[0]
+    return Estimate(
+        pf=found.pf,
+        reliability=found.reliability,
+        status="doubtful",
+        message=f"all {runs.y.size} responses are +inf",
+    )
+
+
+def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSystem) -> list[str]:
+    """Why no answer of this surface can be trusted."""
+    doubts = []
+    infinite = int(np.isinf(runs.y).sum())
+    if infinite:
+        doubts.append(
+            f"{infinite} of {runs.y.size} responses are infinite; where the model gives such "
+            "responses is known only from the nearest run"
+        )
+    scatter = float(runs.y[runs.finite].std())
+    if validated is not None and validated.rms > _POOR_PREDICTION * scatter:
+        share = validated.rms / scatter if scatter > 0.0 else math.inf
+        doubts.append(
+            f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
+        )
+    if not system.rule.resolved:
+        doubts.append("the surface changes in too many directions to be integrated accurately")
+    return doubts

@@ -1,0 +1,164 @@
+"""Saved ask-and-tell sessions: a NumPy archive without pickled objects.
+
+It holds what identifies the run (method and settings, problem, criteria, seed, budget, policy for
+failed runs) and the rows and responses so far. A session is resumed by replaying these.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uqfold.evaluation import EvaluationSession
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.typing import BoolArray, FloatArray, IntArray
+
+SCHEMA = "uqfold-session/1"
+
+_ARRAYS = ("x", "y", "told", "rows")
+
+
+class SessionFileError(ValueError):
+    """A session file is damaged, is none, or belongs to another run."""
+
+
+@dataclass(frozen=True, eq=False)
+class SavedSession:
+    """The content of a session file.
+
+    Attributes
+    ----------
+    path
+        The file.
+    header
+        What identifies the run.
+    batches
+        X (n, d), y (n,) and which of them were told (n,), batch by batch.
+    """
+
+    path: Path
+    header: Mapping[str, Any]
+    batches: Sequence[tuple[FloatArray, FloatArray, BoolArray]]
+
+    def check_belongs_to(self, expected: Mapping[str, Any]) -> None:
+        """Compare with the header of the run that wants to go on from here.
+
+        Raises
+        ------
+        SessionFileError
+            Naming what differs.
+        """
+        for key, value in expected.items():
+            if self.header.get(key) != value:
+                raise SessionFileError(
+                    f"{self.path} belongs to another run: its {key} is "
+                    f"{self.header.get(key)!r}, here it is {value!r}"
+                )
+
+
+def header(
+    method: ReliabilityMethod,
+    problem: Problem,
+    criteria: Iterable[Criterion],
+    seed: int,
+    session: EvaluationSession,
+) -> dict[str, Any]:
+    """Give what identifies a run, in values that JSON keeps exactly."""
+    return {
+        "method": repr(method),
+        "problem": problem.name,
+        "version": problem.version,
+        "inputs": list(problem.inputs.names),
+        "n_shared": problem.inputs.n_shared,
+        "distribution": _fingerprint(problem),
+        "units": problem.n_units,
+        "structure": repr(problem.structure),
+        "criteria": [repr(criterion) for criterion in criteria],
+        "seed": seed,
+        "max_evals": session.max_evals,
+        "failed_runs": session.settings.failed_runs,
+    }
+
+
+def _fingerprint(problem: Problem) -> str:
+    """Digest of the joint distribution: where it maps a few points of standard-normal space."""
+    d = problem.inputs.dimension
+    probe = np.sin(np.arange(1.0, 4 * d + 1.0)).reshape(4, d)
+    mapped = problem.inputs.from_standard_normal(probe)
+    # nine digits: the last ones may differ between machines
+    text = " ".join(f"{value:.9e}" for value in mapped.ravel())
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def write(
+    path: str | PathLike[str],
+    head: Mapping[str, Any],
+    batches: Sequence[tuple[FloatArray, FloatArray]],
+    told: BoolArray,
+) -> None:
+    """Write a session file, replacing a former one at once."""
+    target = Path(path)
+    partial = target.with_name(target.name + ".partial")
+    with partial.open("wb") as stream:
+        np.savez(
+            stream,
+            header=np.array(json.dumps({"schema": SCHEMA, **head})),
+            x=np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
+            y=np.concatenate([y for _, y in batches]) if batches else np.empty(0),
+            told=told,
+            rows=np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
+        )
+    os.replace(partial, target)
+
+
+def read(path: str | PathLike[str]) -> SavedSession:
+    """Read a session file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    SessionFileError
+        If it is damaged, or no session file of this format.
+    """
+    source = Path(path)
+    try:
+        with source.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+            head = json.loads(str(archive["header"]))
+            x, y, told, rows = (archive[name] for name in _ARRAYS)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise SessionFileError(f"{source} is no session file, or a damaged one: {error}") from error
+    if not isinstance(head, dict) or head.get("schema") != SCHEMA:
+        raise SessionFileError(f"{source} does not follow the format {SCHEMA!r}")
+    if not _consistent(x, y, told, rows) or not {"seed", "max_evals"} <= head.keys():
+        raise SessionFileError(f"{source} is damaged: its arrays do not fit together")
+    ends = np.cumsum(rows)
+    batches = [
+        (x[end - n : end], y[end - n : end], told[end - n : end])
+        for n, end in zip(rows, ends, strict=True)
+    ]
+    return SavedSession(source, head, batches)
+
+
+def _consistent(x: FloatArray, y: FloatArray, told: BoolArray, rows: IntArray) -> bool:
+    shapes_fit = x.ndim == 2 and y.shape == told.shape == x.shape[:1] and rows.ndim == 1
+    kinds_fit = x.dtype == y.dtype == np.float64 and told.dtype == np.bool_
+    return bool(shapes_fit and kinds_fit and rows.dtype == np.int64 and rows.sum() == y.size)
+
+
+def same_rows(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two sets of rows agree up to the last digits, which may differ between machines."""
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=1e-9, atol=1e-12))

@@ -1,0 +1,1 @@
+"""Response surfaces: from runs (u, y) in standard-normal space to a cheap function of u."""

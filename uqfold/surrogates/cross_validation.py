@@ -1,0 +1,43 @@
+"""How well a surface predicts responses that it was not fitted to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.typing import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LeaveOneOut:
+    """Prediction of every training response from all others, settings of the fit kept.
+
+    Attributes
+    ----------
+    residuals
+        Response minus prediction (n,).
+    std
+        Standard deviation (n,) that the surface states for them.
+    """
+
+    residuals: FloatArray
+    std: FloatArray
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the unit of the response."""
+        return math.sqrt(float(np.mean(self.residuals**2)))
+
+    @property
+    def ratio(self) -> float:
+        """Root mean square of residuals in units of their stated standard deviation."""
+        stated = np.maximum(self.std, np.finfo(float).tiny)
+        return math.sqrt(float(np.mean((self.residuals / stated) ** 2)))
+
+    @property
+    def log_density(self) -> float:
+        """Mean logarithm of the stated normal density of the residuals: the higher, the better."""
+        stated = np.maximum(self.std, np.finfo(float).tiny)
+        return float(np.mean(-0.5 * (self.residuals / stated) ** 2 - np.log(stated)))

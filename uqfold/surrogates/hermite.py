@@ -1,0 +1,77 @@
+"""Orthonormal Hermite polynomials of standard-normal variables, the basis of all expansions here.
+
+A multi-index a = (a_1, ..., a_d) stands for the product of the polynomials of degree a_i in u_i.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import numpy as np
+
+from uqfold.typing import FloatArray, IntArray
+
+
+def total_degree_indices(dimension: int, degree: int) -> IntArray:
+    """Give all multi-indices (P, d) of total degree up to `degree`, lowest degree first.
+
+    Raises
+    ------
+    ValueError
+        If there is no variable or the degree is negative.
+    """
+    if dimension < 1 or degree < 0:
+        raise ValueError(f"{dimension} variables, degree {degree}: need d >= 1 and degree >= 0")
+    rows = []
+    for total in range(degree + 1):
+        # stars and bars: bars between the variables
+        for bars in combinations(range(total + dimension - 1), dimension - 1):
+            edges = (-1, *bars, total + dimension - 1)
+            rows.append([edges[i + 1] - edges[i] - 1 for i in range(dimension)])
+    return np.array(rows, dtype=np.int64)
+
+
+def hermite_basis(u: FloatArray, indices: IntArray) -> FloatArray:
+    """Evaluate the orthonormal basis.
+
+    Parameters
+    ----------
+    u
+        Standard-normal variables (n, d).
+    indices
+        Multi-indices (P, d).
+
+    Returns
+    -------
+    FloatArray
+        Values (n, P); their expected products under the standard normal are 0 or 1.
+    """
+    degrees = indices.max(axis=0, initial=0)
+    basis = np.ones((u.shape[0], indices.shape[0]))
+    for column, degree in enumerate(degrees):
+        if degree > 0:
+            basis *= one_dimensional(u[:, column], int(degree))[:, indices[:, column]]
+    return basis
+
+
+def one_dimensional(x: FloatArray, degree: int) -> FloatArray:
+    """Values (n, degree + 1) of the orthonormal Hermite polynomials at x (n,)."""
+    values = np.empty((x.size, degree + 1))
+    values[:, 0] = 1.0
+    if degree > 0:
+        values[:, 1] = x
+    for k in range(1, degree):
+        values[:, k + 1] = (x * values[:, k] - math.sqrt(k) * values[:, k - 1]) / math.sqrt(k + 1)
+    return values
+
+
+def rescaled(degree: int, factor: float) -> FloatArray:
+    """Matrix (degree + 1, degree + 1) with H_k(factor x) = sum_j matrix[k, j] H_j(x)."""
+    nodes, weights = np.polynomial.hermite_e.hermegauss(degree + 1)
+    values = one_dimensional(nodes, degree)
+    moved = one_dimensional(factor * nodes, degree)
+    matrix = (moved * (weights / weights.sum())[:, None]).T @ values
+    # a polynomial of degree k holds none of higher degree, and only those of its own parity
+    k, j = np.indices(matrix.shape)
+    return np.where((j <= k) & ((k - j) % 2 == 0), matrix, 0.0)

@@ -1,0 +1,46 @@
+"""Stationary anisotropic correlation functions, and their spectra for random features."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from uqfold.typing import FloatArray
+
+Kernel: TypeAlias = Literal["gaussian", "matern52"]
+"""``gaussian``: infinitely smooth surfaces; ``matern52``: twice differentiable ones."""
+
+
+def correlation(kernel: Kernel, squared: FloatArray) -> FloatArray:
+    """Correlation of two points from their squared scaled distance sum_i (du_i / l_i)^2."""
+    if kernel == "gaussian":
+        return np.asarray(np.exp(-0.5 * squared))
+    a = np.sqrt(5.0 * squared)
+    return np.asarray((1.0 + a + a * a / 3.0) * np.exp(-a))
+
+
+def correlation_slope(kernel: Kernel, squared: FloatArray) -> FloatArray:
+    """Derivative in the logarithm of l_i, divided by the scaled square (du_i / l_i)^2."""
+    if kernel == "gaussian":
+        return np.asarray(np.exp(-0.5 * squared))
+    a = np.sqrt(5.0 * squared)
+    return np.asarray(5.0 / 3.0 * (1.0 + a) * np.exp(-a))
+
+
+def scaled_squared_distances(a: FloatArray, b: FloatArray, length_scales: FloatArray) -> FloatArray:
+    """Squared scaled distances (m, n) between the rows of a (m, d) and b (n, d)."""
+    a, b = a / length_scales, b / length_scales
+    squared = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1) - 2.0 * (a @ b.T)
+    return np.asarray(np.maximum(squared, 0.0))
+
+
+def spectral_frequencies(
+    kernel: Kernel, length_scales: FloatArray, size: int, rng: np.random.Generator
+) -> FloatArray:
+    """Draw frequencies (d, size) from the spectral density of the correlation function."""
+    frequencies = rng.standard_normal((length_scales.size, size)) / length_scales[:, None]
+    if kernel == "matern52":
+        # the spectrum of the Matern 5/2 correlation is a multivariate t with 5 degrees of freedom
+        frequencies = frequencies * np.sqrt(5.0 / rng.chisquare(5.0, size))
+    return np.asarray(frequencies)

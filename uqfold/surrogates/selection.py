@@ -1,0 +1,195 @@
+"""Which polynomials an expansion keeps: least-angle paths judged by the leave-one-out error.
+
+The leave-one-out error of a least-squares fit follows from its residuals and leverages; a factor
+corrects it for the number of terms.
+
+References
+----------
+Chapelle O., Vapnik V., Bengio Y. Model selection for small sample regression. Machine Learning 48
+(2002) 9-23.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.surrogates.hermite import hermite_basis, total_degree_indices
+from uqfold.typing import FloatArray, IntArray
+
+# Candidate polynomials per point, and in all, of a least-angle path.
+_CANDIDATES = 5
+_MOST_CANDIDATES = 1_000
+_MOST_INDICES = 50_000
+_POINTS_PER_TERM = 1.5
+# Degrees without improvement after which the search ends.
+_PATIENCE = 2
+_DEPENDENT = 1e-8
+# A relative root-mean-square error at which there is nothing left to explain.
+_EXACT = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """Least-squares fit in a Hermite basis.
+
+    Attributes
+    ----------
+    indices
+        Multi-indices (p, d).
+    coefficients
+        Coefficients (p,).
+    residuals, leverage
+        Of the n points, (n,).
+    root_covariance
+        A matrix A (p, p) with A A' = (F' F)^-1, the covariance for residuals of unit variance.
+    error
+        Corrected leave-one-out error: mean square, relative to the variance of the responses.
+    """
+
+    indices: IntArray
+    coefficients: FloatArray
+    residuals: FloatArray
+    leverage: FloatArray
+    root_covariance: FloatArray
+    error: float
+
+
+def select_basis(
+    u: FloatArray,
+    y: FloatArray,
+    *,
+    sparse: bool,
+    max_degree: int,
+    max_orders: IntArray | None = None,
+) -> Regression:
+    """Raise the degree until the corrected leave-one-out error stops falling; keep the best fit.
+
+    Parameters
+    ----------
+    u
+        Points (n, d), scaled to unit spread.
+    y
+        Responses (n,).
+    sparse
+        Whether polynomials may be left out along a least-angle path.
+    max_degree
+        Highest total degree.
+    max_orders
+        Highest degree in each variable (d,); None: `max_degree`.
+    """
+    from threadpoolctl import threadpool_limits
+
+    # matrices this small are many times slower on several threads that wait for each other
+    with threadpool_limits(1):
+        return _best_fit(u, y, sparse, max_degree, max_orders)
+
+
+def _best_fit(
+    u: FloatArray, y: FloatArray, sparse: bool, max_degree: int, max_orders: IntArray | None
+) -> Regression:
+    n, d = u.shape
+    best = _Fits(u, y, total_degree_indices(d, 0)).prefix(1)
+    since = 0
+    for degree in range(1, max_degree + 1):
+        before = best.error
+        if before <= _EXACT**2 or math.comb(d + degree, degree) > _MOST_INDICES:
+            break
+        candidates = total_degree_indices(d, degree)
+        if max_orders is not None:
+            candidates = candidates[(candidates <= max_orders).all(axis=1)]
+        size = candidates.shape[0]
+        contenders = []
+        if size * _POINTS_PER_TERM <= n:
+            contenders.append(_Fits(u, y, candidates).prefix(size))
+        elif not sparse:
+            break
+        if sparse and degree > 1:
+            if size > min(_CANDIDATES * n, _MOST_CANDIDATES):
+                break
+            contenders.append(_Fits(u, y, _least_angle_path(u, y, candidates)).best())
+        best = min([best, *contenders], key=lambda fit: fit.error)
+        since = 0 if best.error < before else since + 1
+        if since >= _PATIENCE:
+            break
+    return best
+
+
+class _Fits:
+    """Least-squares fits in the first 1, 2, ..., p polynomials of a list, from one factorisation.
+
+    With F = Q R, the fit in the first k columns uses the first k columns of Q, and its inverse
+    factor is the leading block of R^-1.
+    """
+
+    def __init__(self, u: FloatArray, y: FloatArray, indices: IntArray) -> None:
+        from scipy.linalg import solve_triangular
+
+        q, r = np.linalg.qr(hermite_basis(u, indices))
+        diagonal = np.abs(np.diag(r))
+        dependent = np.flatnonzero(diagonal <= _DEPENDENT * np.maximum.accumulate(diagonal))
+        p = int(dependent[0]) if dependent.size else diagonal.size
+        self.y, self.indices = y, indices[:p]
+        self.q, self.projected = q[:, :p], q[:, :p].T @ y
+        self.root = solve_triangular(r[:p, :p], np.eye(p))
+
+    def errors(self) -> FloatArray:
+        """Corrected leave-one-out errors (p,)."""
+        n, p = self.q.shape
+        counts = np.arange(1, p + 1)
+        leverage = np.minimum(np.cumsum(self.q**2, axis=1), 1.0)
+        residuals = self.y[:, None] - np.cumsum(self.q * self.projected, axis=1)
+        trace = np.cumsum((self.root**2).sum(axis=0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mean_square = np.mean((residuals / (1.0 - leverage)) ** 2, axis=0)
+            error = mean_square * n / (n - counts) * (1.0 + trace)
+        usable = (counts < n) & (leverage.max(axis=0) < 1.0 - 1e-9)
+        return np.where(usable, error / (float(np.var(self.y)) or 1.0), math.inf)
+
+    def best(self) -> Regression:
+        """The fit with the smallest error."""
+        return self.prefix(int(np.argmin(self.errors())) + 1)
+
+    def prefix(self, count: int) -> Regression:
+        """The fit in the first `count` polynomials; without end in error if they are dependent."""
+        if count > self.indices.shape[0]:
+            return Regression(
+                self.indices, self.projected, self.y, self.y, self.root, error=math.inf
+            )
+        q, projected = self.q[:, :count], self.projected[:count]
+        residuals = self.y - q @ projected
+        # once more: what rounding left of the part inside the basis
+        rest = q.T @ residuals
+        residuals, projected = residuals - q @ rest, projected + rest
+        root = self.root[:count, :count]
+        return Regression(
+            indices=self.indices[:count],
+            coefficients=root @ projected,
+            residuals=residuals,
+            leverage=(q**2).sum(axis=1),
+            root_covariance=root,
+            error=float(self.errors()[count - 1]),
+        )
+
+
+def _least_angle_path(u: FloatArray, y: FloatArray, candidates: IntArray) -> IntArray:
+    """Polynomials in the order in which the least-angle path takes them, the constant first."""
+    from sklearn.linear_model import lars_path
+
+    basis = hermite_basis(u, candidates)[:, 1:]
+    basis = basis - basis.mean(axis=0)
+    length = np.linalg.norm(basis, axis=0)
+    usable = np.flatnonzero(length > _DEPENDENT * length.max())
+    basis = basis[:, usable] / length[usable]
+    centred = y - y.mean()
+    with warnings.catch_warnings():
+        # a column that depends on earlier ones is dropped, which the path says in a warning
+        warnings.simplefilter("ignore")
+        most = min(usable.size, int(y.size / _POINTS_PER_TERM))
+        centred = centred / np.linalg.norm(centred)
+        _, active, _ = lars_path(basis, centred, method="lar", max_iter=most)
+    order = usable[np.asarray(active, dtype=int)] + 1
+    return np.asarray(candidates[np.concatenate([[0], order])])

@@ -1,0 +1,270 @@
+"""Distribution of a cheap function of standard-normal variables, by integration along lines.
+
+Lines run in one direction a; a rule over the space orthogonal to it says where. Along a line, all
+crossings of a level t are found, and the probability of the line's parts above and below t is a
+difference of normal probabilities: exact in the tails, whether the function is monotone or not,
+and whether failure lies at one end of the line, at both, or in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+from uqfold.moments.conditional import AtomicDistribution
+from uqfold.moments.normal import NormalDistribution
+from uqfold.moments.tabulated import TabulatedDistribution
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.typing import BoolArray, FloatArray, IntArray
+
+REACH = 8.5
+"""Lines end at this many standard deviations, where 1e-17 of the probability is left."""
+
+FINITE, NEVER, ALWAYS, MISSING = 0, 1, 2, 3
+"""Outcomes at a point: a finite response, +inf, -inf, and a failed model run."""
+
+Distribution = TabulatedDistribution | AtomicDistribution | NormalDistribution
+
+_REFINED = 8
+# Scores at which tables aim; beyond 8, fewer than 1e-15 of all responses lie.
+_TARGETS, _FEW_TARGETS = np.linspace(-8.0, 8.0, 97), np.linspace(-8.0, 8.0, 33)
+_SMALLEST_STEP = 1e-7
+# Noise below this share of a table's unit moves no score up to 8 by more than 4e-6.
+_NEGLIGIBLE_NOISE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LineRule:
+    """Lines in standard-normal space of d variables.
+
+    Attributes
+    ----------
+    points
+        All points (lines * stations, d) at which the function is needed, line by line.
+    weights
+        Probability (lines,) that each line stands for.
+    stations
+        Positions (stations,) along every line, equally spaced from -REACH to REACH.
+    short
+        Whether tables of a third of the usual length will do.
+    """
+
+    points: FloatArray
+    weights: FloatArray
+    stations: FloatArray
+    short: bool = False
+
+    def response(
+        self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
+    ) -> ConditionalResponse:
+        """Distribution of the function, from its values at the points.
+
+        Parameters
+        ----------
+        values
+            Finite values (lines * stations,); where the outcome is not finite, any finite number.
+        outcomes
+            Kind of outcome at each point (`FINITE`, `NEVER`, `ALWAYS`, `MISSING`); None: all
+            are finite.
+        noise
+            Standard deviation of an independent normal disturbance of every response.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite.
+        """
+        table = values.reshape(self.weights.size, self.stations.size)
+        if not np.isfinite(table).all():
+            raise ValueError("a response surface gave values that are not finite")
+        fine, upsample = _refinement(self.stations.size)
+        usable, masses = None, np.zeros(4)
+        if outcomes is not None and outcomes.any():
+            nearest = (np.arange(fine.size) + _REFINED // 2) // _REFINED
+            kinds = outcomes.reshape(table.shape)[:, nearest]
+            cells = _mass(*_cells(fine))
+            masses = np.array([self.weights @ (kinds == kind) @ cells for kind in range(4)])
+            usable = kinds == FINITE
+            if not usable.any():
+                return _without_distribution(masses)
+        found = self._distribution(table, upsample, fine, usable)
+        return ConditionalResponse(
+            _disturbed(found, noise),
+            p_never=float(masses[NEVER]),
+            p_always=float(masses[ALWAYS]),
+            p_missing=float(masses[MISSING]),
+        )
+
+    def _distribution(
+        self, table: FloatArray, upsample: FloatArray, fine: FloatArray, usable: BoolArray | None
+    ) -> TabulatedDistribution | AtomicDistribution:
+        low, high = float(table.min()), float(table.max())
+        if high - low <= 1e-13 * max(abs(low), abs(high)):
+            return AtomicDistribution((0.5 * (low + high) if high > low else low,))
+        levels = self._levels(table)
+        curves = table @ upsample.T
+        runs = _Runs.of(curves, fine, levels, 1e-13 * (high - low), usable)
+        start, end = runs.ends.T[:, :, None]
+        left, right = _mass(start, runs.crossings), _mass(runs.crossings, end)
+        rising, weight = runs.rising[:, None], self.weights[runs.line]
+        below = weight @ np.where(rising, left, right)
+        above = weight @ np.where(rising, right, left)
+        return _tabulated(levels, below, above)
+
+    def _levels(self, table: FloatArray) -> FloatArray:
+        """Levels that lie about evenly in normal score, from the values at the points alone."""
+        from scipy.special import ndtri
+
+        density = np.exp(-0.5 * self.stations**2)
+        mass = np.outer(self.weights, density / density.sum()).ravel()
+        order = np.argsort(table, axis=None)
+        value, mass = table.ravel()[order], mass[order]
+        below = np.cumsum(mass) - 0.5 * mass
+        above = np.cumsum(mass[::-1])[::-1] - 0.5 * mass
+        score = np.where(below < above, ndtri(below), -ndtri(np.maximum(above, 1e-300)))
+        targets = _FEW_TARGETS if self.short else _TARGETS
+        return np.unique(np.interp(targets, np.maximum.accumulate(score), value))
+
+
+@dataclass(frozen=True, eq=False)
+class _Runs:
+    """Monotone pieces of all lines.
+
+    `line` (M,) they belong to, `ends` (M, 2) along it, whether they are `rising` (M,), and where
+    they cross the levels, `crossings` (M, L), or their nearer end.
+    """
+
+    line: IntArray
+    ends: FloatArray
+    rising: BoolArray
+    crossings: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        curves: FloatArray,
+        s: FloatArray,
+        levels: FloatArray,
+        rounding: float,
+        usable: BoolArray | None,
+    ) -> _Runs:
+        steps = np.diff(curves, axis=1)
+        signs = np.where(np.abs(steps) <= rounding, 0, np.sign(steps)).astype(int)
+        turning = (signs.min(axis=1) < 0) & (signs.max(axis=1) > 0)
+        starts, stops = _cells(s)
+        line, ends, rising, crossings = [], [], [], []
+        for index, curve in enumerate(curves):
+            for first, last in [(0, s.size)] if usable is None else _stretches(usable[index]):
+                turns = _turns(signs[index, first : last - 1]) if turning[index] else []
+                edges = [first, *(first + turn for turn in turns), last - 1]
+                for a, b in pairwise(edges if last - first > 1 else [first, first]):
+                    piece, where = curve[a : b + 1], s[a : b + 1]
+                    up = bool(piece[-1] >= piece[0])
+                    if not up:
+                        piece, where = piece[::-1], where[::-1]
+                    crossing = np.interp(levels, np.maximum.accumulate(piece), where)
+                    # a piece next to a gap, or to the end of the line, goes on to the cell's end
+                    low = starts[a] if a == first else s[a]
+                    high = stops[b] if b == last - 1 else s[b]
+                    outside = levels < piece[0], levels >= piece[-1]
+                    crossing[outside[0]] = low if up else high
+                    crossing[outside[1]] = high if up else low
+                    line.append(index)
+                    rising.append(up)
+                    ends.append((low, high))
+                    crossings.append(crossing)
+        return cls(np.array(line), np.array(ends), np.array(rising), np.array(crossings))
+
+
+def _turns(signs: IntArray) -> list[int]:
+    """Where a curve turns, given the signs of its steps; level steps belong to what came before."""
+    moving = np.flatnonzero(signs)
+    change = np.flatnonzero(np.diff(signs[moving]))
+    return [int(i) for i in moving[change + 1]]
+
+
+def _stretches(usable: BoolArray) -> Iterator[tuple[int, int]]:
+    """First and one past the last index of every run of True."""
+    padded = np.concatenate([[False], usable, [False]]).astype(int)
+    change = np.flatnonzero(np.diff(padded))
+    for first, last in zip(change[::2], change[1::2], strict=True):
+        yield int(first), int(last)
+
+
+def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Ends of the cells around the positions s; the outer ones are infinite."""
+    middle = 0.5 * (s[1:] + s[:-1])
+    return np.concatenate([[-np.inf], middle]), np.concatenate([middle, [np.inf]])
+
+
+def _mass(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Standard-normal probability of [low, high], from the tail in which it is small."""
+    from scipy.special import ndtr
+
+    return np.asarray(np.where(low > 0.0, ndtr(-low) - ndtr(-high), ndtr(high) - ndtr(low)))
+
+
+@cache
+def _refinement(stations: int) -> tuple[FloatArray, FloatArray]:
+    """Fine positions along a line and the matrix of the cubic spline that gives values there."""
+    from scipy.interpolate import CubicSpline
+
+    coarse = np.linspace(-REACH, REACH, stations)
+    fine = np.linspace(-REACH, REACH, _REFINED * (stations - 1) + 1)
+    return fine, CubicSpline(coarse, np.eye(stations))(fine)
+
+
+def _tabulated(
+    levels: FloatArray, below: FloatArray, above: FloatArray
+) -> TabulatedDistribution | AtomicDistribution:
+    """Table of normal scores, without levels between which hardly any probability lies."""
+    from scipy.special import ndtri
+
+    whole = below + above
+    below, above = below / whole, above / whole
+    score = np.where(below < above, ndtri(below), -ndtri(above))
+    kept: list[int] = []
+    for index in np.flatnonzero(np.minimum(below, above) > 1e-16):
+        if not kept or score[index] > score[kept[-1]] + _SMALLEST_STEP:
+            kept.append(int(index))
+    if len(kept) < 2:
+        middle = min(int(np.searchsorted(below, 0.5)), levels.size - 1)
+        return AtomicDistribution((float(levels[middle]),))
+    return TabulatedDistribution(levels[kept], score[kept])
+
+
+def _disturbed(
+    distribution: TabulatedDistribution | AtomicDistribution, noise: float
+) -> Distribution:
+    """Distribution of the sum with an independent normal variable of standard deviation `noise`."""
+    if isinstance(distribution, AtomicDistribution):
+        return NormalDistribution(distribution.values[0], noise) if noise > 0.0 else distribution
+    if noise <= _NEGLIGIBLE_NOISE * _unit(distribution):
+        return distribution
+    # to second order in the noise, which for a normal response is exact
+    levels, score = distribution.levels, distribution.scores
+    slope = np.gradient(score, levels)
+    bend = np.gradient(slope, levels)
+    moved = (score + 0.5 * bend * noise**2) / np.sqrt(1.0 + (slope * noise) ** 2)
+    if not (np.diff(moved) > 0.0).all():
+        moved = score / np.sqrt(1.0 + (noise / _unit(distribution)) ** 2)
+    return TabulatedDistribution(levels, moved)
+
+
+def _unit(distribution: TabulatedDistribution) -> float:
+    """Typical change of the response per unit of normal score."""
+    return float(np.ptp(distribution.levels) / np.ptp(distribution.scores))
+
+
+def _without_distribution(masses: FloatArray) -> ConditionalResponse:
+    masses = masses / masses.sum()
+    return ConditionalResponse(
+        None,
+        p_never=float(masses[NEVER]),
+        p_always=float(masses[ALWAYS]),
+        p_missing=float(masses[MISSING]),
+    )

@@ -1,0 +1,182 @@
+"""How finely a surface must be integrated: each direction refined by itself.
+
+The principal directions of the surface's gradient come first. Along each of them the distribution
+of the surface is found with ever finer rules, until it stops changing, far tails included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from uqfold.moments.conditional import AtomicDistribution
+from uqfold.moments.tabulated import TabulatedDistribution
+from uqfold.system.cross_rules import EQUAL_STEPS, GAUSS, LADDER, Rule, ladder_rule
+from uqfold.system.lines import REACH, LineRule
+from uqfold.typing import FloatArray
+
+Surface: TypeAlias = Callable[[FloatArray], FloatArray]
+"""Takes u (n, d) in standard-normal space, gives responses (n,)."""
+
+TOLERANCE = 3e-4
+"""Change of a normal score, up to scores of 6.2, that is no longer worth a finer rule."""
+STATIONS = (41, 65, 129, 257)
+_COMPARED_SCORES = np.linspace(-6.2, 6.2, 17)
+_LOOK_AT, _SPREAD, _STEP = 256, 1.7, 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """Principal directions of a surface, in columns.
+
+    Attributes
+    ----------
+    shared, individual
+        Of the s shared variables (s, s), and of the others (d - s, d - s).
+    """
+
+    shared: FloatArray
+    individual: FloatArray
+
+    @classmethod
+    def of(cls, surface: Surface, dimension: int, n_shared: int) -> Axes:
+        """Directions of falling influence over body and tails."""
+        centre = _SPREAD * np.random.default_rng(0).standard_normal((_LOOK_AT, dimension))
+        shifts = _STEP * np.eye(dimension)
+        points = np.vstack([centre + sign * shift for shift in shifts for sign in (1.0, -1.0)])
+        values = surface(points).reshape(dimension, 2, _LOOK_AT)
+        gradients = (values[:, 0] - values[:, 1]).T
+        return cls(_principal(gradients[:, :n_shared]), _principal(gradients[:, n_shared:]))
+
+    @property
+    def across(self) -> FloatArray:
+        """All directions but the main individual one, shared ones first: (d, d - 1)."""
+        s, i = self.shared.shape[0], self.individual.shape[0]
+        block = np.zeros((s + i, s + i - 1))
+        block[:s, :s] = self.shared
+        block[s:, s:] = self.individual[:, 1:]
+        return block
+
+    @property
+    def along(self) -> FloatArray:
+        """The main individual direction (d,), along which lines run."""
+        return np.concatenate([np.zeros(self.shared.shape[0]), self.individual[:, 0]])
+
+
+@dataclass(frozen=True)
+class Need:
+    """The rule that one direction needs.
+
+    Attributes
+    ----------
+    level
+        Rung of the ladder of rules.
+    errors
+        What this rung and each coarser one, from the coarsest, leaves as a change of the normal
+        score.
+    """
+
+    level: int
+    errors: tuple[float, ...]
+
+    def together(self, other: Need) -> Need:
+        """Give what meets both needs."""
+        size = max(self.level, other.level) + 1
+        # beyond what one of them was refined to, its error is the last one
+        mine = (*self.errors, *[self.errors[-1]] * (size - len(self.errors)))
+        others = (*other.errors, *[other.errors[-1]] * (size - len(other.errors)))
+        return Need(size - 1, tuple(max(pair) for pair in zip(mine, others, strict=True)))
+
+    def at_least(self, level: int) -> Need:
+        """Give a rule at least as fine as a rung, because coarser ones are known to be bad."""
+        if self.level >= level:
+            return self
+        return Need(level, (*(1.0,) * level, self.errors[-1]))
+
+    def finer(self) -> Need:
+        """Give the next finer rule; the smallest ones are exact for what they are chosen for."""
+        if self.level < len(GAUSS) - 1 or self.level + 1 >= len(LADDER):
+            return self
+        return Need(self.level + 1, (*self.errors, self.errors[-1]))
+
+
+def refined(surface: Surface, axes: Axes) -> tuple[list[Need], Need]:
+    """Needs of all directions across, and along each line (a rung of `STATIONS`).
+
+    Refinement starts from the centre and from a place in the tail. Shared directions get a finer
+    rule than the distribution itself needs, because failure of many units or missions is a
+    steeper function of the shared variables.
+    """
+    across = axes.across
+    d, count = across.shape
+    # far out in the first direction, moderately in the others
+    out = np.concatenate([[2.5], np.ones(max(count - 1, 0))])[:count]
+    needs: list[Need] = []
+    for base in (np.zeros(d), across @ out):
+        here = [_need(surface, axes, base, direction) for direction in across.T]
+        here.append(_along(surface, axes, base))
+        needs = [a.together(b) for a, b in zip(needs, here, strict=True)] if needs else here
+    shared = axes.shared.shape[0]
+    return [need.finer() for need in needs[:shared]] + needs[shared:-1], needs[-1]
+
+
+_Distribution: TypeAlias = TabulatedDistribution | AtomicDistribution
+
+
+def _need(surface: Surface, axes: Axes, base: FloatArray, direction: FloatArray) -> Need:
+    def found(level: int) -> _Distribution:
+        nodes, weights = ladder_rule(level)
+        starts = base + nodes[:, None] * direction
+        return _on_lines(surface, axes, (starts, weights), STATIONS[0])
+
+    first = len(GAUSS)
+    finer = found(first)
+    errors = [_distance(found(level), finer) for level in range(first)]
+    for level, error in enumerate(errors):
+        if error <= TOLERANCE:
+            return Need(level, tuple(errors[: level + 1]))
+    for level in range(first, first + len(EQUAL_STEPS) - 1):
+        coarser, finer = finer, found(level + 1)
+        errors.append(_distance(coarser, finer))
+        if errors[-1] <= TOLERANCE:
+            return Need(level, tuple(errors))
+    return Need(len(LADDER) - 1, (*errors, errors[-1]))
+
+
+def _along(surface: Surface, axes: Axes, base: FloatArray) -> Need:
+    start = base[None, :], np.ones(1)
+    errors: list[float] = []
+    finer = _on_lines(surface, axes, start, STATIONS[0])
+    for level in range(len(STATIONS) - 1):
+        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1])
+        errors.append(_distance(coarser, finer))
+        if errors[-1] <= TOLERANCE:
+            return Need(level, tuple(errors))
+    return Need(len(STATIONS) - 1, (*errors, errors[-1]))
+
+
+def _on_lines(surface: Surface, axes: Axes, starts: Rule, stations: int) -> _Distribution:
+    positions = np.linspace(-REACH, REACH, stations)
+    points = (starts[0][:, None, :] + positions[:, None] * axes.along).reshape(-1, axes.along.size)
+    found = LineRule(points, starts[1], positions).response(surface(points)).distribution
+    assert isinstance(found, TabulatedDistribution | AtomicDistribution)
+    return found
+
+
+def _distance(one: _Distribution, other: _Distribution) -> float:
+    """Largest difference of normal scores at levels spread over body and tails."""
+    if isinstance(one, AtomicDistribution) or isinstance(other, AtomicDistribution):
+        return 0.0 if type(one) is type(other) else math.inf
+    inside = np.clip(_COMPARED_SCORES, other.scores[0], other.scores[-1])
+    levels = np.interp(inside, other.scores, other.levels)
+    return float(np.abs(one.score(levels) - other.score(levels)).max())
+
+
+def _principal(gradients: FloatArray) -> FloatArray:
+    """Directions in columns, by falling share of the mean squared gradient."""
+    basis = np.linalg.eigh(gradients.T @ gradients)[1]
+    return np.asarray(basis[:, ::-1])

@@ -1,0 +1,204 @@
+"""Where a cheap surface is evaluated to integrate it over standard-normal space.
+
+Shared variables take quadrature nodes, and the same lines over the individual variables start at
+each of them (`uqfold.system.lines`). All rules are laid along the principal directions of the
+surface's gradient, as finely as each of them needs (`uqfold.system.refinement`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.cross_rules import (
+    GAUSS,
+    LADDER,
+    Rule,
+    gauss_rule,
+    ladder_rule,
+    product_rule,
+    quasi_random_rule,
+)
+from uqfold.system.lines import REACH, LineRule
+from uqfold.system.refinement import STATIONS, Axes, Need, Surface, refined
+from uqfold.typing import FloatArray, IntArray
+
+__all__ = ["MAX_POINTS", "Surface", "SurfacePlan", "SurfaceRule", "plan_surface"]
+
+MAX_POINTS = 400_000
+"""Points at which a surface is evaluated unless the caller says otherwise."""
+
+# Error of a normal score that is accepted when points are scarce: 2 % of pf at 1e-9, less above.
+_ACCEPTABLE = 3e-3
+# Errors beyond which quasi-random lines are better than a product that was cut down.
+_HOPELESS = 0.1
+_MOST_SHARED = 200
+# The first rung of equal steps.
+_FOR_OUTCOMES = len(GAUSS)
+# Sizes of the first three rungs, and of all others, where only changes of the answer matter.
+_COARSE = (1, 3, 3, 5)
+_COARSE_STATIONS, _COARSE_NODES = 33, 64
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceRule:
+    """Where a surface is to be evaluated, and how its values become conditional responses.
+
+    Attributes
+    ----------
+    shared_nodes
+        Nodes (K, d_shared) in standard-normal space.
+    weights
+        Their weights (K,).
+    lines
+        Lines in the space of the individual variables, the same at every shared node.
+    resolved
+        Whether the number of points sufficed for the wanted accuracy.
+    """
+
+    shared_nodes: FloatArray
+    weights: FloatArray
+    lines: LineRule
+    resolved: bool
+
+    @property
+    def points(self) -> FloatArray:
+        """All points (K * lines * stations, d)."""
+        inner = self.lines.points
+        outer = np.repeat(self.shared_nodes, inner.shape[0], axis=0)
+        return np.hstack([outer, np.tile(inner, (self.shared_nodes.shape[0], 1))])
+
+    def responses(
+        self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
+    ) -> list[ConditionalResponse]:
+        """Give one conditional response per shared node; see `LineRule.response`.
+
+        Parameters
+        ----------
+        values, outcomes
+            Of all points, in their order.
+        noise
+            Standard deviation of an independent normal disturbance of every response.
+        """
+        rows = values.reshape(self.weights.size, -1)
+        if outcomes is None:
+            return [self.lines.response(row, None, noise) for row in rows]
+        kinds = outcomes.reshape(rows.shape)
+        pairs = zip(rows, kinds, strict=True)
+        return [self.lines.response(row, kind, noise) for row, kind in pairs]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePlan:
+    """Directions of a surface, and how many nodes each of them needs.
+
+    Attributes
+    ----------
+    axes
+        Principal directions.
+    across
+        Rules across, one per direction, shared ones first.
+    along
+        Points along each line, a rung of `STATIONS`.
+    """
+
+    axes: Axes
+    across: tuple[Need, ...]
+    along: Need
+
+    def for_outcomes(self) -> SurfacePlan:
+        """Plan for a surface with holes, where responses are infinite or model runs fail.
+
+        Their borders have nothing to do with the surface and its directions.
+        """
+        return replace(self, across=tuple(need.at_least(_FOR_OUTCOMES) for need in self.across))
+
+    def rule(self, max_points: int = MAX_POINTS) -> SurfaceRule:
+        """Lay out the points, at most `max_points` of them.
+
+        If the needs add up to more, what loses least is coarsened, again and again; where too much
+        is lost, quasi-random lines take the place of a product.
+        """
+        needs = [*self.across, self.along]
+        levels = [need.level for need in needs]
+        enough = _size(levels) <= max_points
+        while _size(levels) > max_points and any(levels):
+            losses = [
+                need.errors[level - 1] if level > 0 else math.inf
+                for need, level in zip(needs, levels, strict=True)
+            ]
+            levels[int(np.argmin(losses))] -= 1
+        error = sum(need.errors[level] for need, level in zip(needs, levels, strict=True))
+        n_shared = self.axes.shared.shape[0]
+        own = len(self.across) - n_shared
+        if not enough and error > _HOPELESS and own > 2:
+            levels = [need.level for need in self.across[:n_shared]]
+            while _nodes(levels) > _MOST_SHARED:
+                levels[int(np.argmax(levels))] -= 1
+            stations = STATIONS[0]
+            size = max(1, max_points // (_nodes(levels) * stations))
+            lines = quasi_random_rule(own, size)
+        else:
+            stations = STATIONS[levels.pop()]
+            lines = product_rule([ladder_rule(level) for level in levels[n_shared:]])
+        shared = product_rule([ladder_rule(level) for level in levels[:n_shared]])
+        return self._laid_out(shared, lines, stations, resolved=enough or error <= _ACCEPTABLE)
+
+    def coarse_rule(self) -> SurfaceRule:
+        """Lay out few points: enough to see how the answer moves when the surface does."""
+        sizes = [_COARSE[min(need.level, len(_COARSE) - 1)] for need in self.across]
+        n_shared = self.axes.shared.shape[0]
+        shared, lines = (
+            product_rule([gauss_rule(size) for size in part])
+            if math.prod(part) <= _COARSE_NODES
+            else quasi_random_rule(len(part), _COARSE_NODES)
+            for part in (sizes[:n_shared], sizes[n_shared:])
+        )
+        return self._laid_out(shared, lines, _COARSE_STATIONS, resolved=False, short=True)
+
+    def _laid_out(
+        self, shared: Rule, across: Rule, stations: int, *, resolved: bool, short: bool = False
+    ) -> SurfaceRule:
+        positions = np.linspace(-REACH, REACH, stations)
+        own = self.axes.individual
+        starts = across[0] @ own[:, 1:].T
+        points = (starts[:, None, :] + positions[:, None] * own[:, 0]).reshape(-1, own.shape[0])
+        lines = LineRule(points, across[1], positions, short)
+        return SurfaceRule(shared[0] @ self.axes.shared.T, shared[1], lines, resolved)
+
+
+def plan_surface(surface: Surface, dimension: int, n_shared: int) -> SurfacePlan:
+    """Find out how finely a surface must be known.
+
+    Parameters
+    ----------
+    surface
+        The surface; it is evaluated at some ten thousand points to see how it behaves.
+    dimension
+        Number of variables d.
+    n_shared
+        How many of them, the first ones, are shared; fewer than d.
+
+    Raises
+    ------
+    ValueError
+        If there is no individual variable to integrate over.
+    """
+    if not 0 <= n_shared < dimension:
+        raise ValueError(f"{n_shared} shared of {dimension} variables: one must be individual")
+    axes = Axes.of(surface, dimension, n_shared)
+    across, along = refined(surface, axes)
+    return SurfacePlan(axes, tuple(across), along)
+
+
+def _nodes(levels: Sequence[int]) -> int:
+    return math.prod(LADDER[level] for level in levels)
+
+
+def _size(levels: Sequence[int]) -> int:
+    """Number of points of rules across, and last of the points along each line."""
+    return _nodes(levels[:-1]) * STATIONS[levels[-1]]

@@ -1,0 +1,58 @@
+"""References of the four-branch system (k = 7) by integration, without sampling.
+
+With s = (x1 + x2) / sqrt(2) and t = (x1 - x2) / sqrt(2), independent standard normals, the response
+y = -g exceeds T exactly if |s| > 3 + T + 0.2 t^2 or |t| > k / 2 + T / sqrt(2) = a. So
+
+    pf = 2 Phi(-a) + 4 int_0^a phi(t) Phi(-(3 + T + 0.2 t^2)) dt,
+
+an integral of a smooth positive function, by a composite Gauss-Legendre rule.
+
+    python validation/references/four_branch.py            writes references/four_branch.json
+    python validation/references/four_branch.py --check    recomputes and compares
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+from scipy.special import ndtr
+from tables import Row, as_text, integration_command
+
+from uqfold.problems.base import LIMIT_STATE_THRESHOLD
+from uqfold.problems.four_branch_system import DEFAULT_K
+
+THRESHOLDS = (LIMIT_STATE_THRESHOLD, 0.5, 1.0, 1.5, 2.0, 3.0)
+COARSE, FINE = 8, 16
+ROUNDING = 1e-13
+HOW = (
+    "Integration without sampling in the coordinates along and across the branches: exact across, "
+    "composite Gauss-Legendre rule along the curved ones. The error is a bound: the change from a "
+    "coarser resolution plus rounding."
+)
+COMMAND = "python validation/references/four_branch.py"
+
+
+def failure_probability(threshold: float, panels: int) -> float:
+    """Give pf at a threshold on y = -g, with ten nodes in each panel."""
+    a = DEFAULT_K / 2.0 + threshold / math.sqrt(2.0)
+    nodes, weights = np.polynomial.legendre.leggauss(10)
+    half = 0.5 * a / panels
+    t = (half * (2.0 * np.arange(panels)[:, None] + 1.0 + nodes)).ravel()
+    density = np.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi)
+    inside = density * ndtr(-(3.0 + threshold + 0.2 * t * t))
+    return float(2.0 * ndtr(-a) + 4.0 * half * (np.tile(weights, panels) @ inside))
+
+
+def compute() -> str:
+    """Give the text of ``four_branch.json``."""
+    rows = []
+    for threshold in THRESHOLDS:
+        pf, coarse = (failure_probability(threshold, panels) for panels in (FINE, COARSE))
+        rows.append(Row(threshold, None, 1, pf, abs(pf - coarse) + ROUNDING * pf))
+    return as_text("four-branch", "integration", HOW, COMMAND, rows)
+
+
+if __name__ == "__main__":
+    sys.exit(integration_command(__doc__, [("four_branch.json", compute)]))
