@@ -10,12 +10,6 @@ import pytest
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 PAGES = ["README.md", "docs/evaluation.md", "docs/mechanism.md", "docs/records.md"]
-    "README.md",
-    "docs/evaluation.md",
-    "docs/mechanism.md",
-    "docs/records.md",
-    "docs/surrogates.md",
-]
 
 
 @pytest.mark.parametrize("page", PAGES)
