@@ -6,6 +6,7 @@ import pickle
 import queue
 import time
 from functools import lru_cache
+from importlib import import_module
 from types import ModuleType
 from typing import Any, ClassVar
 
@@ -75,7 +76,7 @@ class Dask(Executor):
 class _DaskRunner(Runner):
     def __init__(self, client: Any, model: Model) -> None:
         # comes with distributed
-        import cloudpickle  # type: ignore[import-untyped]
+        import cloudpickle
 
         try:
             self._model = cloudpickle.dumps(model)
@@ -181,9 +182,8 @@ def _run_pickled(model: bytes, x: FloatArray, may_give_up: bool) -> Outcome:
 
 def _distributed() -> ModuleType:
     try:
-        import distributed
+        return import_module("distributed")
     except ImportError as error:
         raise ExecutorError(
             "a cluster needs the package distributed: pip install 'uqfold[distributed]'"
         ) from error
-    return distributed
