@@ -76,6 +76,8 @@ def test_before_any_method_finished_nothing_is_written(tmp_path: Path) -> None:
 def test_the_signal_is_given_back_afterwards() -> None:
     code = (
         "import os, signal, time\n"
+        # a program started in the background may have inherited that Ctrl-C is ignored
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "from uqfold.cli.interrupts import Interrupts\n"
         "def wait():\n"
         "    for _ in range(1000): time.sleep(0.01)\n"

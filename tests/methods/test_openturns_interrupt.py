@@ -9,6 +9,8 @@ PROGRAM = """
 import os, signal, threading, time
 import uqfold
 
+# a program started in the background may have inherited that Ctrl-C is ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)
 plain = uqfold.problems.series()
 running = threading.Event()
 
