@@ -47,6 +47,12 @@ _CASES = (
         max_evals=40_000,
     ),
     Case(
+        "folding-wing-random-lengths",
+        "the same with random lengths of crank and rod, Example 6",
+        "uqfold.problems:folding_wing_random_lengths",
+        max_evals=40_000,
+    ),
+    Case(
         "series",
         "series system with a nonlinear response, Example 1: a formula",
         "uqfold.problems:series",

@@ -1,4 +1,4 @@
-"""Problems: what may fail. The paper's three verified examples, and the record to state others."""
+"""Problems: what may fail. The paper's examples, and the record to state others."""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from uqfold.problems.four_branch_system import four_branch
     from uqfold.problems.reference import Reference, ReferenceTable
     from uqfold.problems.series_system import series
-    from uqfold.problems.wing import folding_wing
+    from uqfold.problems.wing import folding_wing, folding_wing_random_lengths
 
 __all__ = [
     "Problem",
@@ -18,6 +18,7 @@ __all__ = [
     "ReferenceTable",
     "Unit",
     "folding_wing",
+    "folding_wing_random_lengths",
     "four_bar",
     "four_branch",
     "series",
@@ -32,6 +33,7 @@ __getattr__, __dir__ = lazy_exports(
         "ReferenceTable": "uqfold.problems.reference",
         "Unit": "uqfold.problems.base",
         "folding_wing": "uqfold.problems.wing",
+        "folding_wing_random_lengths": "uqfold.problems.wing",
         "four_bar": "uqfold.problems.four_bar_linkage",
         "four_branch": "uqfold.problems.four_branch_system",
         "series": "uqfold.problems.series_system",

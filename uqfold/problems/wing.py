@@ -1,59 +1,142 @@
-"""Example 3: the folding-wing system (section 4.3, Table 6).
+"""The folding-wing system: Example 3 with its varied conditions, and Example 6.
 
 Four wings fold out side by side. Each must reach its lock before the threshold T, and under a
 synchronization threshold tau the first and the last may not lie further apart than that. Flight
 speed and pitch angle are one draw for the vehicle and stay the same over its missions; drive
 force, wing thickness and joint clearance are drawn anew for every wing and every mission, since
-the mechanisms are replaced after each flight.
+the mechanisms are replaced after each flight. In Example 6 the lengths of crank and rod are random
+as well.
+
+- Example 3 (section 4.3, Table 6): `folding_wing()`. Its references come from simulation of the
+  same mechanism.
+- Examples 4 and 5 (sections 4.4 and 4.5): one mean or one standard deviation of Table 6 is
+  changed, `folding_wing(means={"V_q": 100.0})`; the paper's 20 conditions are `CONDITIONS`.
+- Example 6 (section 4.6, Table 10): `folding_wing_random_lengths()`.
 
 This module is the one bridge between the mechanics (SI units) and the random inputs (the units of
-Table 6). The references come from simulation of the same mechanism.
+the tables).
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from uqfold.inputs import normal
 from uqfold.mechanism import WingParameters
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import criteria
+from uqfold.problems.criterion import Criteria, criteria
 from uqfold.problems.reference import load_references
 from uqfold.typing import FloatArray
 
-INPUT_UNITS = ("m/s", "deg", "N", "mm", "mm")
+Table: TypeAlias = Mapping[str, tuple[float, float]]
+"""Input -> (mean, standard deviation), in `INPUT_UNITS`."""
 
-# Table 6: name -> (mean, standard deviation), in INPUT_UNITS
-TABLE_6_SHARED = {"V_q": (140.0, 10.0), "delta": (0.0, 5.0)}
-TABLE_6_INDIVIDUAL = {"k_d": (550.0, 10.0), "b": (7.0, 0.25), "C_r": (1.5, 0.05)}
+INPUT_UNITS = {
+    "V_q": "m/s",
+    "delta": "deg",
+    "k_d": "N",
+    "b": "mm",
+    "C_r": "mm",
+    "l_1": "mm",
+    "l_2": "mm",
+}
+SHARED = ("V_q", "delta")
+
+_TO_SI = {"m/s": 1.0, "N": 1.0, "deg": math.pi / 180.0, "mm": 1e-3}
+
+TABLE_6: Table = {
+    "V_q": (140.0, 10.0),
+    "delta": (0.0, 5.0),
+    "k_d": (550.0, 10.0),
+    "b": (7.0, 0.25),
+    "C_r": (1.5, 0.05),
+}
+TABLE_10: Table = {
+    "V_q": (200.0, 25.0),
+    "delta": (0.0, 25.0),
+    "k_d": (1100.0, 10.0),
+    "b": (6.0, 0.25),
+    "C_r": (1.5, 0.05),
+    "l_1": (1500.0, 2.0),
+    "l_2": (1300.0, 2.0),
+}
 
 DEFAULT_THRESHOLDS = (0.545, 0.550, 0.555, 0.560, 0.565, 0.570)
 DEFAULT_TAU = (None, 0.04)
+RANDOM_LENGTHS_THRESHOLDS = (0.360, 0.365, 0.370, 0.375, 0.380, 0.385)
+RANDOM_LENGTHS_TAU = (None, 0.025)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One of the paper's operating conditions: Table 6 with one value changed.
+
+    Attributes
+    ----------
+    name
+        The input.
+    mean, standard_deviation
+        Its changed value, in `INPUT_UNITS`; None where it is that of Table 6.
+    """
+
+    name: str
+    mean: float | None = None
+    standard_deviation: float | None = None
+
+
+CONDITIONS: Mapping[int, Condition] = {
+    1: Condition("V_q", mean=100.0),
+    2: Condition("V_q", mean=180.0),
+    3: Condition("delta", mean=30.0),
+    4: Condition("delta", mean=-30.0),
+    5: Condition("b", mean=6.0),
+    6: Condition("b", mean=8.0),
+    7: Condition("k_d", mean=600.0),
+    8: Condition("k_d", mean=500.0),
+    9: Condition("C_r", mean=2.0),
+    10: Condition("C_r", mean=1.0),
+    11: Condition("V_q", standard_deviation=1.0),
+    12: Condition("V_q", standard_deviation=20.0),
+    13: Condition("delta", standard_deviation=1.0),
+    14: Condition("delta", standard_deviation=20.0),
+    15: Condition("b", standard_deviation=0.01),
+    16: Condition("b", standard_deviation=0.5),
+    17: Condition("k_d", standard_deviation=1.0),
+    18: Condition("k_d", standard_deviation=30.0),
+    19: Condition("C_r", standard_deviation=0.005),
+    20: Condition("C_r", standard_deviation=0.2),
+}
+"""Conditions 1 to 10 of Table 8 and 11 to 20 of Table 9, by the paper's numbers."""
 
 
 @dataclass(frozen=True)
 class DeploymentTime:
-    """Deployment time of one wing, in the units of Table 6.
+    """Deployment time of one wing, in the units of the random inputs.
 
     Attributes
     ----------
     parameters
-        The mechanism; its values of V_q, delta, k_d, b and C_r do not matter.
+        The mechanism; its values of the random inputs do not matter.
+    names
+        What the columns are.
     """
 
     parameters: WingParameters
+    names: tuple[str, ...] = tuple(TABLE_6)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the deployment times (n,) in s of X (n, 5): V_q, delta, k_d, b, C_r."""
+        """Give the deployment times (n,) in s of X (n, d)."""
         from uqfold.mechanism import deployment_times
 
-        return deployment_times(self.parameters, **_in_si_units(x))
+        return deployment_times(self.parameters, **_in_si_units(self.names, x))
 
 
 @dataclass(frozen=True)
@@ -62,33 +145,44 @@ class IdealDeploymentTime:
 
     Attributes
     ----------
-    parameters
-        The mechanism, as in `DeploymentTime`.
+    parameters, names
+        As in `DeploymentTime`.
     """
 
     parameters: WingParameters
+    names: tuple[str, ...] = tuple(TABLE_6)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the deployment times (n,) in s of X (n, 5): V_q, delta, k_d, b, C_r."""
+        """Give the deployment times (n,) in s of X (n, d)."""
         from uqfold.mechanism import ideal_deployment_times
 
-        return ideal_deployment_times(self.parameters, **_in_si_units(x))
+        return ideal_deployment_times(self.parameters, **_in_si_units(self.names, x))
 
 
-def _in_si_units(x: FloatArray) -> dict[str, Any]:
+def _in_si_units(names: tuple[str, ...], x: FloatArray) -> dict[str, Any]:
     """Give the columns of X as the mechanism takes them."""
-    v_q, delta, k_d, b, c_r = np.ascontiguousarray(x.T)
-    return {"V_q": v_q, "delta": np.deg2rad(delta), "k_d": k_d, "b": b * 1e-3, "C_r": c_r * 1e-3}
+    return {name: column * _si(name) for name, column in zip(names, x.T, strict=True)}
 
 
-def folding_wing(parameters: WingParameters | None = None) -> Problem:
-    """Give the folding-wing system of Example 3.
+def _si(name: str) -> float:
+    return _TO_SI[INPUT_UNITS[name]]
+
+
+def folding_wing(
+    parameters: WingParameters | None = None,
+    *,
+    means: Mapping[str, float] | None = None,
+    standard_deviations: Mapping[str, float] | None = None,
+) -> Problem:
+    """Give the folding-wing system of Example 3, or one of Examples 4 and 5.
 
     Parameters
     ----------
     parameters
         The mechanism; None takes Table 1. Its values of V_q, delta, k_d, b and C_r do not matter,
         since these five are the random inputs.
+    means, standard_deviations
+        Values in place of those of Table 6, by input name and in its unit (`INPUT_UNITS`).
 
     Returns
     -------
@@ -96,24 +190,128 @@ def folding_wing(parameters: WingParameters | None = None) -> Problem:
         Four units; shared inputs V_q (m/s) and delta (deg), individual inputs k_d (N), b (mm) and
         C_r (mm); the response is the deployment time (s), +inf for a wing that never locks. Its
         low-fidelity partner is the wing with ideal joints, which takes no notice of C_r.
-        References are attached only when the mechanism is the default one.
+        References and default criteria are those of Example 3: references are attached only to
+        the default mechanism under Table 6, default criteria only under Table 6.
+
+    Raises
+    ------
+    ValueError
+        If a name is not one of the inputs, a mean is no possible value, or a standard deviation
+        is not positive.
+    TypeError
+        If a value is not a number.
+
+    Examples
+    --------
+    >>> folding_wing(means={"V_q": 100.0}).inputs.marginals[0].getMean()[0]
+    100.0
     """
     wing = WingParameters() if parameters is None else parameters
+    table = _changed(TABLE_6, wing, means, standard_deviations)
+    as_printed = table == TABLE_6
+    return _problem(
+        "folding-wing",
+        wing,
+        table,
+        criteria(DEFAULT_THRESHOLDS, DEFAULT_TAU) if as_printed else None,
+        references="folding_wing" if as_printed and wing == WingParameters() else None,
+    )
 
-    is_default = wing == WingParameters()
+
+def folding_wing_random_lengths(
+    parameters: WingParameters | None = None,
+    *,
+    means: Mapping[str, float] | None = None,
+    standard_deviations: Mapping[str, float] | None = None,
+) -> Problem:
+    """Give the folding-wing system of Example 6, whose arms have random lengths.
+
+    Parameters
+    ----------
+    parameters
+        The mechanism; None takes Table 1. Its values of the seven random inputs do not matter.
+    means, standard_deviations
+        Values in place of those of Table 10, by input name and in its unit (`INPUT_UNITS`).
+
+    Returns
+    -------
+    Problem
+        Four units; shared inputs V_q (m/s) and delta (deg), individual inputs k_d (N), b (mm),
+        C_r (mm), l_1 (mm) and l_2 (mm); response and partner as in `folding_wing`. The full rule
+        of the paper takes 28,125 = 3^2 * 5^5 runs. There are no references; default criteria
+        belong to Table 10.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `folding_wing`.
+    """
+    wing = WingParameters() if parameters is None else parameters
+    table = _changed(TABLE_10, wing, means, standard_deviations)
+    return _problem(
+        "folding-wing-random-lengths",
+        wing,
+        table,
+        criteria(RANDOM_LENGTHS_THRESHOLDS, RANDOM_LENGTHS_TAU) if table == TABLE_10 else None,
+        references=None,
+    )
+
+
+def _changed(
+    table: Table,
+    wing: WingParameters,
+    means: Mapping[str, float] | None,
+    standard_deviations: Mapping[str, float] | None,
+) -> Table:
+    """Put the changed values into the table, if they are possible."""
+    for argument, changes in (("means", means), ("standard_deviations", standard_deviations)):
+        for name, value in (changes or {}).items():
+            if name not in table:
+                raise ValueError(f"{argument}: no input is named {name!r}, only {', '.join(table)}")
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+                raise TypeError(f"{argument}: {name} = {value!r}: give a number")
+            if not math.isfinite(value) or (argument == "standard_deviations" and value <= 0.0):
+                wanted = "a finite" if argument == "means" else "a positive, finite"
+                raise ValueError(
+                    f"{argument}: {name} = {value} {INPUT_UNITS[name]}: give {wanted} number"
+                )
+    changed = {
+        name: (
+            float((means or {}).get(name, mean)),
+            float((standard_deviations or {}).get(name, deviation)),
+        )
+        for name, (mean, deviation) in table.items()
+    }
+    try:
+        wing.replace(**{name: mean * _si(name) for name, (mean, _) in changed.items()})
+    except ValueError as error:
+        raise ValueError(f"no wing can be built at the means of its inputs: {error}") from error
+    return changed
+
+
+def _problem(
+    name: str,
+    wing: WingParameters,
+    table: Table,
+    default: Criteria | None,
+    *,
+    references: str | None,
+) -> Problem:
+    marginals = {one: normal(*row) for one, row in table.items()}
+    names = tuple(table)
     return Problem(
-        DeploymentTime(wing),
-        shared={name: normal(*table) for name, table in TABLE_6_SHARED.items()},
-        individual={name: normal(*table) for name, table in TABLE_6_INDIVIDUAL.items()},
+        DeploymentTime(wing, names),
+        shared={one: marginals.pop(one) for one in SHARED},
+        individual=marginals,
         units=4,
-        low_fidelity=IdealDeploymentTime(wing),
-        name="folding-wing",
+        low_fidelity=IdealDeploymentTime(wing, names),
+        name=name,
         version=_version(wing),
         response="deployment time",
         response_unit="s",
-        input_units=INPUT_UNITS,
-        default_criteria=criteria(threshold=DEFAULT_THRESHOLDS, tau=DEFAULT_TAU),
-        references=load_references("folding_wing") if is_default else None,
+        input_units=[INPUT_UNITS[one] for one in names],
+        default_criteria=default,
+        references=None if references is None else load_references(references),
     )
 
 
@@ -129,4 +327,4 @@ def _version(wing: WingParameters) -> str:
     digest.update(f"numba {version('numba')}, llvmlite {version('llvmlite')}".encode())
     for path in [Path(__file__), *sorted(Path(uqfold.mechanism.__file__).parent.glob("*.py"))]:
         digest.update(path.read_bytes())
-    return f"example-3-{digest.hexdigest()[:16]}"
+    return f"deployment-{digest.hexdigest()[:16]}"
