@@ -243,3 +243,25 @@ def test_inputs_survive_pickling() -> None:
     again = pickle.loads(pickle.dumps(inputs))
     assert again.names == inputs.names
     np.testing.assert_array_equal(again.from_standard_normal(u), before)
+
+
+@pytest.mark.parametrize(
+    "inputs",
+    [
+        product_inputs({"v": normal(5, 1)}, {"a": ot.Uniform(1, 2), "b": ot.Gumbel(1.0, 2.0)}),
+        joint_inputs(clayton(), shared=["speed"]),
+    ],
+    ids=["independent", "clayton"],
+)
+def test_transformation_there_and_back(inputs: JointInputs) -> None:
+    u = np.random.default_rng(5).standard_normal((200, inputs.dimension))
+    back = inputs.to_standard_normal(inputs.from_standard_normal(u))
+    np.testing.assert_allclose(back, u, atol=1e-8)
+    with pytest.raises(ValueError, match="x has shape"):
+        inputs.to_standard_normal(u[:, :1])
+
+
+def test_normal_inputs_transform_exactly_far_out() -> None:
+    inputs = product_inputs({"v": normal(5, 2)}, None)
+    u = inputs.to_standard_normal(np.array([[5 + 2 * 30.0]]))
+    assert u[0, 0] == pytest.approx(30.0, rel=1e-14)

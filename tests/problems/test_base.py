@@ -230,3 +230,18 @@ def test_limit_state_survives_pickling() -> None:
     problem = Problem.from_limit_state(first_column, TWO)
     model = pickle.loads(pickle.dumps(problem.model))
     np.testing.assert_array_equal(model(np.array([[3.0, 0.0]])), [-3.0])
+
+
+def test_other_moments_keep_everything_but_references() -> None:
+    table = ReferenceTable("first_column", "integration", "", "", {})
+    problem = Problem(
+        first_column, shared={"v": normal(5, 1)}, individual=TWO, units=4, references=table,
+        version="1",
+    )  # fmt: skip
+    changed = problem.with_moments(means={"v": 6.0}, standard_deviations={"b": 3.0})
+    assert changed.inputs.means.tolist() == [6.0, 0.0, 1.0]
+    assert changed.inputs.standard_deviations.tolist() == [1.0, 1.0, 3.0]
+    assert (changed.units, changed.version, changed.name) == (4, "1", "first_column")
+    assert changed.references is None
+    assert problem.inputs.means.tolist() == [5.0, 0.0, 1.0]
+    assert problem.references is table

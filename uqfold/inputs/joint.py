@@ -12,7 +12,7 @@ Rosenblatt M. Remarks on a multivariate transformation. Ann. Math. Statist. 23 (
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,6 +21,7 @@ import numpy as np
 
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.gauss import gauss_rule
+from uqfold.inputs.moments import moments, with_moments
 from uqfold.typing import FloatArray
 
 _DEFAULT_NAME = re.compile(r"X\d+")
@@ -103,6 +104,25 @@ class JointInputs:
             return ot.Function(ot.MarginalTransformationEvaluation(standard, list(self.marginals)))
         return ot.Function(ot.InverseRosenblattEvaluation(self.distribution))
 
+    @cached_property
+    def _to_normal(self) -> Any:
+        import openturns as ot
+
+        if self.independent:
+            standard = [ot.Normal(0.0, 1.0)] * self.dimension
+            return ot.Function(ot.MarginalTransformationEvaluation(list(self.marginals), standard))
+        return ot.Function(ot.RosenblattEvaluation(self.distribution))
+
+    @cached_property
+    def means(self) -> FloatArray:
+        """Means (d,) of the inputs, in their own units."""
+        return np.array([moments(marginal)[0] for marginal in self.marginals])
+
+    @cached_property
+    def standard_deviations(self) -> FloatArray:
+        """Standard deviations (d,) of the inputs, in their own units."""
+        return np.array([moments(marginal)[1] for marginal in self.marginals])
+
     def from_standard_normal(self, u: FloatArray) -> FloatArray:
         """Map standard-normal rows to inputs (inverse Rosenblatt transformation).
 
@@ -121,14 +141,77 @@ class JointInputs:
         ValueError
             If `u` has another number of columns.
         """
-        u = np.asarray(u, dtype=np.float64)
-        if u.ndim != 2 or u.shape[1] != self.dimension:
-            raise ValueError(f"u has shape {u.shape}, expected (n, {self.dimension})")
-        if u.shape[0] == 0:
+        return self._mapped("u", u, self._from_normal)
+
+    def to_standard_normal(self, x: FloatArray) -> FloatArray:
+        """Map inputs to standard-normal rows (Rosenblatt transformation).
+
+        Parameters
+        ----------
+        x
+            Inputs X (n, d).
+
+        Returns
+        -------
+        FloatArray
+            Standard-normal variables (n, d), shared inputs first; infinite where a value lies
+            on or beyond a bound of its distribution.
+
+        Raises
+        ------
+        ValueError
+            If `x` has another number of columns.
+        """
+        return self._mapped("x", x, self._to_normal)
+
+    def _mapped(self, name: str, rows: FloatArray, function: Any) -> FloatArray:
+        rows = np.asarray(rows, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != self.dimension:
+            raise ValueError(f"{name} has shape {rows.shape}, expected (n, {self.dimension})")
+        if rows.shape[0] == 0:
             return np.empty((0, self.dimension))
         import openturns as ot
 
-        return np.array(self._from_normal(ot.Sample(u)), dtype=np.float64)
+        return np.array(function(ot.Sample(rows)), dtype=np.float64)
+
+    def with_moments(
+        self,
+        means: Mapping[str, float] | None = None,
+        standard_deviations: Mapping[str, float] | None = None,
+    ) -> JointInputs:
+        """Give the same inputs with other means or standard deviations; the copula stays.
+
+        A normal, lognormal, gamma, Weibull or beta marginal keeps its family and bounds; any
+        other one is shifted and stretched.
+
+        Parameters
+        ----------
+        means, standard_deviations
+            Name of an input -> its new value, in the input's unit; the others keep theirs.
+
+        Raises
+        ------
+        ValueError
+            If a name is not one of the inputs, or a distribution cannot have these moments.
+        """
+        import openturns as ot
+
+        means, stds = dict(means or {}), dict(standard_deviations or {})
+        unknown = [name for name in (*means, *stds) if name not in self.names]
+        if unknown:
+            raise ValueError(f"{unknown[0]!r} is not one of the inputs {list(self.names)}")
+        marginals = list(self.marginals)
+        for column, name in enumerate(self.names):
+            if name in means or name in stds:
+                mean, std = moments(marginals[column])
+                marginals[column] = with_moments(
+                    marginals[column], means.get(name, mean), stds.get(name, std)
+                )
+        if self.independent:
+            joint = ot.JointDistribution(marginals)
+        else:
+            joint = ot.JointDistribution(marginals, self.distribution.getCopula())
+        return JointInputs(joint, self.names, self.n_shared)
 
     def sample(self, rng: np.random.Generator, size: int) -> FloatArray:
         """Draw `size` independent rows X (size, d)."""

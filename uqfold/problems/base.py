@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -174,6 +175,38 @@ class Problem:
         options.setdefault("name", getattr(g, "__name__", "limit state"))
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
         return cls(_Negated(g), inputs=inputs, units=1, **options)
+
+    def with_moments(
+        self,
+        means: Mapping[str, float] | None = None,
+        standard_deviations: Mapping[str, float] | None = None,
+    ) -> Problem:
+        """Give the same problem with other means or standard deviations of some inputs.
+
+        Name, version and model stay, so that stored runs serve both; the references do not
+        belong to it any more. Units with inputs of their own keep these.
+
+        Parameters
+        ----------
+        means, standard_deviations
+            Name of an input -> its new value; see `JointInputs.with_moments`.
+
+        Raises
+        ------
+        ValueError
+            If a name is not one of the inputs, or a distribution cannot have these moments.
+
+        Examples
+        --------
+        >>> from uqfold.problems import series
+        >>> series().with_moments(means={"X2": 1.3}).inputs.means.tolist()
+        [1.0, 1.3, 0.5]
+        """
+        changed = copy(self)
+        inputs = self.inputs.with_moments(means, standard_deviations)
+        object.__setattr__(changed, "inputs", inputs)
+        object.__setattr__(changed, "references", None)
+        return changed
 
     @property
     def n_units(self) -> int:

@@ -1,0 +1,108 @@
+"""A marginal distribution with another mean and standard deviation.
+
+A family whose shape follows from mean and standard deviation (normal, lognormal, gamma, Weibull,
+beta) is kept, with its bounds. Any other marginal is shifted and stretched, bounds included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+_ROUNDING = 1e-9
+
+
+def with_moments(marginal: Any, mean: float, std: float) -> Any:
+    """Give a marginal of the same kind with another mean and standard deviation.
+
+    Parameters
+    ----------
+    marginal
+        Continuous univariate OpenTURNS distribution with a finite mean and standard deviation.
+    mean, std
+        Those of the result, in the unit of the input.
+
+    Returns
+    -------
+    openturns.Distribution
+
+    Raises
+    ------
+    ValueError
+        If the values are not finite, `std` is not positive, the marginal has no finite moments,
+        or its family cannot have these.
+    """
+    if not (math.isfinite(mean) and math.isfinite(std) and std > 0.0):
+        raise ValueError(f"mean {mean}, standard deviation {std}: must be finite, the latter > 0")
+    own_mean, own_std = moments(marginal)
+    own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
+    make = _FAMILIES.get(str(own.getClassName()))
+    if make is not None:
+        try:
+            made = make(own, mean, std)
+        except TypeError as error:  # what OpenTURNS raises for parameters out of range
+            raise ValueError(
+                f"{marginal} cannot have mean {mean:g} and standard deviation {std:g}"
+            ) from error
+        if np.allclose(moments(made), (mean, std), rtol=_ROUNDING, atol=_ROUNDING * std):
+            return made
+    return (marginal - own_mean) * (std / own_std) + mean
+
+
+def moments(marginal: Any) -> tuple[float, float]:
+    """Mean and standard deviation of a marginal.
+
+    Raises
+    ------
+    ValueError
+        If they do not exist, or are not finite.
+    """
+    try:
+        mean, std = float(marginal.getMean()[0]), float(marginal.getStandardDeviation()[0])
+    except RuntimeError:  # OpenTURNS: moments are not defined
+        mean = std = math.nan
+    if not (math.isfinite(mean) and math.isfinite(std)):
+        raise ValueError(f"{marginal} has no finite mean and standard deviation")
+    return mean, std
+
+
+def _normal(_: Any, mean: float, std: float) -> Any:
+    import openturns as ot
+
+    return ot.Normal(mean, std)
+
+
+def _lognormal(own: Any, mean: float, std: float) -> Any:
+    import openturns as ot
+
+    return ot.LogNormalMuSigma(mean, std, own.getGamma()).getDistribution()
+
+
+def _gamma(own: Any, mean: float, std: float) -> Any:
+    import openturns as ot
+
+    return ot.GammaMuSigma(mean, std, own.getGamma()).getDistribution()
+
+
+def _weibull(own: Any, mean: float, std: float) -> Any:
+    import openturns as ot
+
+    return ot.WeibullMinMuSigma(mean, std, own.getGamma()).getDistribution()
+
+
+def _beta(own: Any, mean: float, std: float) -> Any:
+    import openturns as ot
+
+    return ot.BetaMuSigma(mean, std, own.getA(), own.getB()).getDistribution()
+
+
+_FAMILIES: dict[str, Callable[[Any, float, float], Any]] = {
+    "Normal": _normal,
+    "LogNormal": _lognormal,
+    "Gamma": _gamma,
+    "WeibullMin": _weibull,
+    "Beta": _beta,
+}
