@@ -13,7 +13,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from claims import HERE, as_words
+from claims import HERE
+
+from uqfold.comparison.findings import Finding
 
 PAGE = HERE.parents[1] / "docs" / "mechanism.md"
 BEGIN = "<!-- made by: python validation/mechanism/results_table.py -->"
@@ -42,7 +44,7 @@ def table(cases: Sequence[dict[str, Any]]) -> str:
     lines = ["| claim | compared with | tolerance, and why | measured | verdict |"]
     lines.append("| --- | --- | --- | --- | --- |")
     for case in cases:
-        value = [as_words({**finding, "value": _number(finding)}) for finding in case["findings"]]
+        value = [_finding(finding).words for finding in case["findings"]]
         name = f"**{case['name']}**"
         cells = [
             f"{name}: {case['statement']}",
@@ -81,10 +83,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _number(finding: dict[str, Any]) -> float | None:
-    """Value of a finding; NaN and infinity come as text."""
-    value = finding["value"]
-    return None if value is None else float(value)
+def _finding(written: dict[str, Any]) -> Finding:
+    """Read a finding; NaN and infinity come as text."""
+    value = written["value"]
+    fields = {name: written[name] for name in ("what", "limit", "unit", "at_least", "remark")}
+    return Finding(value=None if value is None else float(value), **fields)
 
 
 if __name__ == "__main__":

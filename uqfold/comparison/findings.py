@@ -1,0 +1,95 @@
+"""What was measured for a claim, the limit it has to keep, and the verdict that follows.
+
+>>> verdict_of([Finding("largest difference", 3e-7, 2e-6, "s"), Finding("wings", 60)])
+'holds'
+>>> Finding("largest difference", 3e-7, 2e-6, "s").words
+'largest difference: 3e-07 s (at most 2e-06 s)'
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Verdict: TypeAlias = Literal["holds", "does not hold", "cannot be judged"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One measured number with the limit that it has to keep; without a limit it is for reading.
+
+    Attributes
+    ----------
+    what
+        What was measured.
+    value
+        The number; None for what somebody states but nobody here can measure. NaN breaks any
+        limit.
+    limit
+        Upper bound of the value, or a lower one where `at_least` is set.
+    unit
+        Unit of value, limit and uncertainty.
+    at_least
+        Whether the limit is a lower bound.
+    uncertainty
+        How far the value may lie from the truth, either way. A limit within that reach can not be
+        judged; None means that the value is taken as it is.
+    remark
+        What a reader has to know beside the number.
+    """
+
+    what: str
+    value: float | None = None
+    limit: float | None = None
+    unit: str = ""
+    at_least: bool = False
+    uncertainty: float | None = None
+    remark: str = ""
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Verdict of this number alone; None where it is only quoted."""
+        if self.value is None:
+            return "cannot be judged"
+        if self.limit is None:
+            return None
+        if math.isnan(self.value):
+            return "does not hold"
+        margin = self.value - self.limit if self.at_least else self.limit - self.value
+        # equal infinities have no difference: the limit is just kept
+        margin = 0.0 if math.isnan(margin) else margin
+        if self.uncertainty is not None and not abs(margin) > self.uncertainty:
+            return "cannot be judged"
+        return "holds" if margin >= 0.0 else "does not hold"
+
+    @property
+    def words(self) -> str:
+        """The finding in one line."""
+        unit = f" {self.unit}" if self.unit else ""
+        words = [self.what]
+        if self.value is not None:
+            spread = "" if self.uncertainty is None else f" ± {number(self.uncertainty)}"
+            words[0] += f": {number(self.value)}{spread}{unit}"
+        if self.limit is not None:
+            bound = "at least" if self.at_least else "at most"
+            words.append(f"({bound} {number(self.limit)}{unit})")
+        if self.verdict not in (None, "holds"):
+            words.append(f"- {self.verdict}")
+        if self.remark:
+            words.append(f"- {self.remark}")
+        return " ".join(words)
+
+
+def verdict_of(findings: Iterable[Finding]) -> Verdict:
+    """Verdict of a claim: one broken limit breaks it; where nothing was judged, nothing holds."""
+    verdicts = {finding.verdict for finding in findings}
+    if "does not hold" in verdicts:
+        return "does not hold"
+    return "holds" if "holds" in verdicts else "cannot be judged"
+
+
+def number(value: float) -> str:
+    """Three significant digits, without a decimal tail for whole numbers."""
+    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e5 else f"{value:.3g}"
