@@ -12,6 +12,7 @@ from uqfold.comparison.header import RunHeader
 from uqfold.comparison.records import Records
 from uqfold.comparison.run import plan_comparison, run_comparison
 from uqfold.methods import Estimate, ReliabilityMethod, Solution, Task
+from uqfold.methods.theory import Equation, Theory
 from uqfold.problems import Problem
 from uqfold.problems.criterion import Binomial, Criteria, Criterion, criteria
 from uqfold.problems.reference import Reference, ReferenceTable
@@ -73,6 +74,11 @@ class Told(ReliabilityMethod):
 
     name: ClassVar[str] = "told"
     title: ClassVar[str] = "answers as told"
+    theory: ClassVar[Theory] = Theory(
+        "Knows the answer, and errs as told.",
+        (Equation("The failure probability is", r"p_f = \mathrm{told}", "Eq. (1)"),),
+        ("Somebody. How to answer as told. 2020.",),
+    )
 
     n: int = 100
     bias: float = 0.0

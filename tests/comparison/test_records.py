@@ -96,7 +96,7 @@ def test_every_value_survives_strict_json(number: float, whole: int, text: str) 
 def test_json_is_strict_and_says_its_schema(records: Records, tmp_path: Path) -> None:
     _, path = write_records(records, tmp_path)
     document = without_constants(path.read_text(encoding="utf-8"))
-    assert document["schema"] == "uqfold-comparison/1"
+    assert document["schema"] == "uqfold-comparison/2"
     assert document["rows"][0]["std_error"] is None
     assert document["rows"][0]["beta"] == "inf"
     assert list(document["versions"]) == [
@@ -109,7 +109,7 @@ def test_json_is_strict_and_says_its_schema(records: Records, tmp_path: Path) ->
     ]
 
 
-def test_the_columns_are_those_of_schema_1() -> None:
+def test_the_columns_are_those_of_schema_2() -> None:
     # another list of columns needs another number in the schema, and a new text in docs/records.md
     assert list(COLUMNS) == [
         *("problem", "label", "threshold", "tau", "missions", "missions_planned", "missions_p"),
@@ -118,6 +118,20 @@ def test_the_columns_are_those_of_schema_1() -> None:
         *("n_reused", "n_failed", "seconds", "method", "seed"),
         *("reference_pf", "reference_std_error", "error"),
     ]
+
+
+def test_the_header_says_what_the_system_was_and_what_the_methods_state(tmp_path: Path) -> None:
+    written = toy_records()
+    system = written.header.system
+    assert system is not None
+    assert (system.units, system.structure, system.dependence) == (3, "Series()", "independent")
+    assert {one.role for one in system.inputs} == {"shared", "individual"}
+    assert all("Normal(mu = " in one.distribution for one in system.inputs)
+    assert "processors" in written.header.machine
+    write_records(written, tmp_path)
+    theory = read_records(tmp_path).header.methods[0].theory
+    assert theory == METHODS["exact"].theory
+    assert theory.equations[0].latex == r"p_f = \mathrm{told}"
 
 
 def test_every_column_is_documented() -> None:
@@ -154,7 +168,7 @@ def damaged(document: dict[str, Any], how: str) -> Any:
         case "no object":
             return [document]
         case "other schema":
-            return {**document, "schema": "uqfold-comparison/2"}
+            return {**document, "schema": "uqfold-comparison/1"}
         case "no schema":
             return {key: value for key, value in document.items() if key != "schema"}
         case "no seed":
@@ -181,6 +195,10 @@ def damaged(document: dict[str, Any], how: str) -> Any:
             document["criteria"][0]["tau"] = -1.0
         case "method without title":
             del document["methods"][0]["title"]
+        case "equation without latex":
+            del document["methods"][0]["theory"]["equations"][0]["latex"]
+        case "input of two roles":
+            document["system"]["inputs"][0]["role"] = ["shared", "individual"]
         case "rows is null":
             document["rows"] = None
     return document
@@ -190,7 +208,7 @@ def damaged(document: dict[str, Any], how: str) -> Any:
     ("how", "said"),
     [
         ("no object", "no JSON object"),
-        ("other schema", "'uqfold-comparison/2', not 'uqfold-comparison/1'"),
+        ("other schema", "'uqfold-comparison/1', not 'uqfold-comparison/2'"),
         ("no schema", "its schema is None"),
         ("no seed", "the field 'seed' is missing"),
         ("other columns", "its columns are not those"),
@@ -204,6 +222,8 @@ def damaged(document: dict[str, Any], how: str) -> Any:
         ("unknown label", "'broken'|'stranger'"),
         ("bad criterion", "tau = -1.0"),
         ("method without title", "title"),
+        ("equation without latex", "latex"),
+        ("input of two roles", r"role = \['shared', 'individual'\] is not a text"),
         ("rows is null", "comparison.json is no readable record"),
     ],
 )
@@ -221,7 +241,7 @@ def test_a_damaged_record_is_refused_and_the_fault_named(
 
 @pytest.mark.parametrize(
     "text",
-    ["", "not json", '{"schema": "uqfold-comparison/1"', '{"schema": NaN}', "label,pf\nmc,1\n"],
+    ["", "not json", '{"schema": "uqfold-comparison/2"', '{"schema": NaN}', "label,pf\nmc,1\n"],
 )
 def test_a_foreign_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "comparison.json"

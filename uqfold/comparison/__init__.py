@@ -6,6 +6,7 @@ from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from uqfold.comparison.cases import Case, available_cases, named_case
+    from uqfold.comparison.frames import records_from_frame
     from uqfold.comparison.header import RunHeader
     from uqfold.comparison.records import Records, RecordsError, read_records, write_records
     from uqfold.comparison.run import (
@@ -28,6 +29,7 @@ __all__ = [
     "named_case",
     "plan_comparison",
     "read_records",
+    "records_from_frame",
     "run_comparison",
     "write_records",
 ]
@@ -47,6 +49,7 @@ __getattr__, __dir__ = lazy_exports(
         "named_case": "uqfold.comparison.cases",
         "plan_comparison": "uqfold.comparison.run",
         "read_records": "uqfold.comparison.records",
+        "records_from_frame": "uqfold.comparison.frames",
         "run_comparison": "uqfold.comparison.run",
         "write_records": "uqfold.comparison.records",
     },

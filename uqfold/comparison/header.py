@@ -14,29 +14,11 @@ from typing import Any
 
 import uqfold
 from uqfold.comparison.encoding import decoded_criterion, encoded_criterion, member
+from uqfold.comparison.entries import MethodEntry, ReferenceSource, SystemEntry, texts
 from uqfold.comparison.run import ComparisonPlan
 from uqfold.problems.criterion import Criteria
 
 RECORDED_PACKAGES = ("numpy", "scipy", "numba", "openturns")
-
-
-@dataclass(frozen=True)
-class MethodEntry:
-    """One method of a comparison: label, registered name, title and settings as text."""
-
-    label: str
-    method: str
-    title: str
-    settings: str
-
-
-@dataclass(frozen=True)
-class ReferenceSource:
-    """Where the references come from: kind, one sentence, and the command that makes them."""
-
-    kind: str
-    how: str
-    command: str
 
 
 @dataclass(frozen=True)
@@ -47,6 +29,8 @@ class RunHeader:
     ----------
     problem, response, response_unit
         Names of the problem and of its response, and the unit of response, T and tau.
+    system
+        Units, structure and inputs, or None where they are not recorded.
     criteria
         The grid that every method was to answer.
     methods
@@ -63,6 +47,8 @@ class RunHeader:
         The command as typed, without absolute paths; empty for a run from Python.
     date
         When the run began, UTC, ISO 8601.
+    machine
+        On what kind of machine; durations mean something only beside it. May be empty.
     versions
         Name -> version of uqfold, Python and the packages that the numbers depend on.
     """
@@ -70,6 +56,7 @@ class RunHeader:
     problem: str
     response: str
     response_unit: str
+    system: SystemEntry | None
     criteria: Criteria
     methods: tuple[MethodEntry, ...]
     seed: int
@@ -78,6 +65,7 @@ class RunHeader:
     reference: ReferenceSource | None
     command: str
     date: str
+    machine: str
     versions: Mapping[str, str]
 
     @classmethod
@@ -88,9 +76,10 @@ class RunHeader:
             problem=problem.name,
             response=problem.response,
             response_unit=problem.response_unit,
+            system=SystemEntry.of(problem),
             criteria=plan.criteria,
             methods=tuple(
-                MethodEntry(label, method.name, method.title, repr(method))
+                MethodEntry(label, method.name, method.title, repr(method), method.theory)
                 for label, method in plan.methods.items()
             ),
             seed=plan.seed,
@@ -101,6 +90,7 @@ class RunHeader:
             else ReferenceSource(known.kind, known.how, known.command),
             command=command,
             date=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            machine=machine_text(),
             versions=installed_versions(),
         )
 
@@ -110,6 +100,7 @@ class RunHeader:
             "problem": self.problem,
             "response": self.response,
             "response_unit": self.response_unit,
+            "system": None if self.system is None else asdict(self.system),
             "criteria": [encoded_criterion(criterion) for criterion in self.criteria],
             "methods": [asdict(entry) for entry in self.methods],
             "seed": self.seed,
@@ -118,6 +109,7 @@ class RunHeader:
             "reference": None if self.reference is None else asdict(self.reference),
             "command": self.command,
             "date": self.date,
+            "machine": self.machine,
             "versions": dict(self.versions),
         }
 
@@ -135,16 +127,26 @@ class RunHeader:
             problem=member(document, "problem", str),
             response=member(document, "response", str),
             response_unit=member(document, "response_unit", str),
+            system=None
+            if document["system"] is None
+            else SystemEntry.from_document(document["system"]),
             criteria=Criteria(decoded_criterion(one) for one in document["criteria"]),
-            methods=tuple(MethodEntry(**_texts(entry)) for entry in document["methods"]),
+            methods=tuple(MethodEntry.from_document(entry) for entry in document["methods"]),
             seed=member(document, "seed", int),
             max_evals=None if document["max_evals"] is None else member(document, "max_evals", int),
             failed_runs=member(document, "failed_runs", str),
-            reference=None if reference is None else ReferenceSource(**_texts(reference)),
+            reference=None if reference is None else ReferenceSource(**texts(reference)),
             command=member(document, "command", str),
             date=member(document, "date", str),
-            versions=_texts(document["versions"]),
+            machine=member(document, "machine", str),
+            versions=texts(document["versions"]),
         )
+
+
+def machine_text() -> str:
+    """Say in a few words on what kind of machine this runs, without naming it."""
+    processor = platform.machine() or "unknown processor"
+    return f"{platform.system()}, {processor}, {os.cpu_count() or 1} processors"
 
 
 def installed_versions() -> dict[str, str]:
@@ -184,7 +186,3 @@ def _without_absolute_path(word: str) -> str:
     path, here = Path(value), Path.cwd()
     shown = path.relative_to(here) if path.is_relative_to(here) else Path("...", path.name)
     return f"{option}{equals}{shown.as_posix()}"
-
-
-def _texts(document: Mapping[str, Any]) -> dict[str, str]:
-    return {name: member(document, name, str) for name in document}

@@ -24,9 +24,11 @@ from uqfold.comparison.header import RunHeader
 if TYPE_CHECKING:
     import pandas as pd
 
-SCHEMA = "uqfold-comparison/1"
+SCHEMA = "uqfold-comparison/2"
 JSON_NAME = "comparison.json"
 CSV_NAME = "comparison.csv"
+HEADER_ATTRIBUTE = "uqfold-comparison"
+"""Where a frame of a comparison carries its header, in ``frame.attrs``."""
 
 
 class RecordsError(ValueError):
@@ -59,8 +61,10 @@ class Records:
         return self.finished == tuple(entry.label for entry in self.header.methods)
 
     def to_frame(self) -> pd.DataFrame:
-        """Give the rows as `uqfold.compare` does."""
-        return rows_to_frame(self.rows)
+        """Give the rows as `uqfold.compare` does; `records_from_frame` gives the records back."""
+        frame = rows_to_frame(self.rows)
+        frame.attrs[HEADER_ATTRIBUTE] = self.header.to_document()
+        return frame
 
 
 def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
@@ -93,7 +97,7 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     Raises
     ------
     RecordsError
-        If the file is not of the schema ``uqfold-comparison/1``, or is damaged.
+        If the file is not of the schema ``uqfold-comparison/2``, or is damaged.
     OSError
         If it cannot be opened.
     """

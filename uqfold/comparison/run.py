@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.comparison.columns import comparison_row, rows_to_frame
+from uqfold.comparison.columns import comparison_row
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
 from uqfold.methods.base import ReliabilityMethod
@@ -182,7 +182,7 @@ def compare(
         `uqfold.methods.CriterionResult`, before them ``problem`` and ``label``, after them
         ``reference_pf``, ``reference_std_error`` and ``error``, the relative error of Eq. (49).
         These three are NaN where the problem has no reference for exactly this criterion;
-        references are never interpolated.
+        references are never interpolated. How the comparison was made is in ``attrs``.
 
     Raises
     ------
@@ -205,7 +205,12 @@ def compare(
     plan = plan_comparison(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator
     )
-    return rows_to_frame(row for run in run_comparison(plan, progress) for row in run.rows)
+    from uqfold.comparison.header import RunHeader
+    from uqfold.comparison.records import Records
+
+    header = RunHeader.of(plan)
+    rows = tuple(row for run in run_comparison(plan, progress) for row in run.rows)
+    return Records(header, rows).to_frame()
 
 
 def _both(

@@ -6,11 +6,6 @@ learned and all criteria are read off it. The loop is made of separate parts: a 
 (`surrogates.importance_cloud`, `system.influence`), a learning function that picks a batch of
 them (`surrogates.learning`), a stopping rule with an independent check (`active_stopping`), and
 the integration over the surface (`response_surface`), which reaches rare events without sampling.
-
-References
-----------
-Echard B., Gayton N., Lemaire M. AK-MCS: an active learning reliability method combining Kriging
-and Monte Carlo simulation. Structural Safety 33 (2011) 145-154.
 """
 
 from __future__ import annotations
@@ -30,6 +25,7 @@ from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.response_surface import DesignRuns, affordable_runs, surface_estimates
 from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.methods.theory import ACTIVE_KRIGING, Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import space_filling_design
@@ -134,6 +130,7 @@ class ActiveKriging(SequentialMethod):
 
     name: ClassVar[str] = "ak-mcs"
     title: ClassVar[str] = "active Kriging"
+    theory: ClassVar[Theory] = ACTIVE_KRIGING
     bounds_failed_runs: ClassVar[bool] = True
 
     runs: int = 100

@@ -31,6 +31,7 @@ from uqfold.methods.result import (
     finished_row,
 )
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
+from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
@@ -119,6 +120,8 @@ class ReliabilityMethod(ABC):
     """A few words for tables and legends."""
     bounds_failed_runs: ClassVar[bool] = False
     """Whether the hook bounds pf (`pf_low`, `pf_high`) when responses are NaN."""
+    theory: ClassVar[Theory] = Theory()
+    """Idea, equations and references, for the methods section of reports."""
 
     @property
     def stochastic(self) -> bool:

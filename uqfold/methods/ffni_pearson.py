@@ -16,6 +16,7 @@ from uqfold.methods.factorial_design import (
     system_estimates,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
+from uqfold.methods.theory import PEARSON, Theory
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.pearson import PearsonDistribution
@@ -62,6 +63,7 @@ class FFNIPearson(ReliabilityMethod):
 
     name: ClassVar[str] = "ffni-pearson"
     title: ClassVar[str] = "FFNI + Pearson"
+    theory: ClassVar[Theory] = PEARSON
     bounds_failed_runs: ClassVar[bool] = True
 
     nodes_shared: Nodes = 3

@@ -16,6 +16,7 @@ from uqfold.methods.factorial_design import (
     conditional_responses,
     system_estimates,
 )
+from uqfold.methods.theory import SADDLEPOINT, Theory
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -54,6 +55,7 @@ class FFNISaddlepoint(ReliabilityMethod):
 
     name: ClassVar[str] = "ffni-spa"
     title: ClassVar[str] = "FFNI + saddlepoint"
+    theory: ClassVar[Theory] = SADDLEPOINT
     bounds_failed_runs: ClassVar[bool] = True
 
     nodes_shared: Nodes = 3

@@ -14,6 +14,7 @@ from uqfold.methods.response_surface import (
     affordable_runs,
     surface_estimates,
 )
+from uqfold.methods.theory import KRIGING, Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
@@ -88,6 +89,7 @@ class Kriging(SequentialMethod):
 
     name: ClassVar[str] = "kriging"
     title: ClassVar[str] = "Kriging"
+    theory: ClassVar[Theory] = KRIGING
     bounds_failed_runs: ClassVar[bool] = True
 
     runs: int = 100

@@ -14,6 +14,7 @@ from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
+from uqfold.methods.theory import MONTE_CARLO, Theory
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import mission_fails
 from uqfold.typing import BoolArray, FloatArray, IntArray
@@ -81,6 +82,7 @@ class MonteCarlo(ReliabilityMethod):
 
     name: ClassVar[str] = "mc"
     title: ClassVar[str] = "Monte Carlo"
+    theory: ClassVar[Theory] = MONTE_CARLO
     bounds_failed_runs: ClassVar[bool] = True
 
     systems: int | None = None

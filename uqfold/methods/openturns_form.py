@@ -34,6 +34,7 @@ from uqfold.methods.standard_space import (
     NoGradientError,
     StandardSpaceResponse,
 )
+from uqfold.methods.theory import FORM, Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.linearised import linearised_failure
@@ -93,16 +94,11 @@ class OpenTURNSFORM(ReliabilityMethod):
     ------
     ValueError
         If a setting is out of range.
-
-    References
-    ----------
-    Hasofer A.M., Lind N.C. Exact and invariant second-moment code format. J. Eng. Mech. Div.
-    ASCE 100 (1974) 111-121. Abdo T., Rackwitz R. A new beta-point algorithm for large
-    time-invariant and time-variant reliability problems. 3rd IFIP WG 7.5 Conf. (1990).
     """
 
     name: ClassVar[str] = "openturns-form"
     title: ClassVar[str] = "FORM (OpenTURNS)"
+    theory: ClassVar[Theory] = FORM
 
     algorithms: tuple[Algorithm, ...] = ("AbdoRackwitz", "SQP", "Cobyla")
     step: float = 0.2

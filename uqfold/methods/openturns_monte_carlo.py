@@ -15,6 +15,7 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
+from uqfold.methods.theory import OPENTURNS_MONTE_CARLO, Theory
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import SystemEvent
 
@@ -92,6 +93,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     name: ClassVar[str] = "openturns-mc"
     title: ClassVar[str] = "Monte Carlo (OpenTURNS)"
+    theory: ClassVar[Theory] = OPENTURNS_MONTE_CARLO
     stochastic: ClassVar[bool] = True
     bounds_failed_runs: ClassVar[bool] = True
 

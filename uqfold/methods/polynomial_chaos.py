@@ -17,6 +17,7 @@ from uqfold.methods.response_surface import (
     affordable_runs,
     surface_estimates,
 )
+from uqfold.methods.theory import POLYNOMIAL_CHAOS, Theory
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design
@@ -90,6 +91,7 @@ class PolynomialChaos(SequentialMethod):
 
     name: ClassVar[str] = "pce"
     title: ClassVar[str] = "Polynomial chaos"
+    theory: ClassVar[Theory] = POLYNOMIAL_CHAOS
     bounds_failed_runs: ClassVar[bool] = True
 
     runs: int = 100
