@@ -376,6 +376,6 @@ def test_the_table_shows_a_broken_claim(case):
 def test_pictures_are_drawn(case, tmp_path):
     pictures = case("pictures")
     assert pictures.main(["--out", str(tmp_path)]) == 0
-    for name in pictures.PICTURES:
+    for name in [*pictures.PICTURES, pictures.ANIMATION]:
         assert (tmp_path / name).stat().st_size > 10_000
         assert (pictures.IMAGES / name).exists()

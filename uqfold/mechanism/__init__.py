@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from uqfold.mechanism.deployment import DEFAULT_TOLERANCE, deployment_times
     from uqfold.mechanism.ideal import ideal_deployment_times
     from uqfold.mechanism.recording import Trajectory, trajectory
+    from uqfold.mechanism.tabulation import motion_table
 
 __all__ = [
     "DEFAULT_TOLERANCE",
@@ -28,6 +29,7 @@ __all__ = [
     "baumgarte_trajectory",
     "deployment_times",
     "ideal_deployment_times",
+    "motion_table",
     "trajectory",
 ]
 
@@ -37,6 +39,7 @@ _HOMES = {
     "DEFAULT_TOLERANCE": "deployment",
     "deployment_times": "deployment",
     "ideal_deployment_times": "ideal",
+    "motion_table": "tabulation",
     "Trajectory": "recording",
     "trajectory": "recording",
 }
