@@ -8,11 +8,11 @@ records the motion.
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 from numba import config
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from uqfold.mechanism.compiled import entry_point, fingerprint, inlined
 from uqfold.mechanism.lanes import (
@@ -38,6 +38,7 @@ from uqfold.mechanism.timestep import (
 )
 from uqfold.mechanism.wing import (
     SampleParameters,
+    Samples,
     initial_pose,
     is_possible,
     sample_table,
@@ -65,19 +66,9 @@ _CHUNKS_PER_THREAD = 4
 def deployment_times(
     parameters: WingParameters,
     *,
-    V_q: ArrayLike | None = None,
-    delta: ArrayLike | None = None,
-    k_d: ArrayLike | None = None,
-    b: ArrayLike | None = None,
-    b_1: ArrayLike | None = None,
-    b_2: ArrayLike | None = None,
-    C_r: ArrayLike | None = None,
-    C_r_B: ArrayLike | None = None,
-    C_r_C: ArrayLike | None = None,
-    l_1: ArrayLike | None = None,
-    l_2: ArrayLike | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
     threads: int | None = None,
+    **samples: Unpack[Samples],
 ) -> FloatArray:
     """Deployment times of a batch of wings: the response of Eq. (21).
 
@@ -85,16 +76,14 @@ def deployment_times(
     ----------
     parameters : WingParameters
         Values of all parameters that are not given per sample.
-    V_q, delta, k_d, b_1, b_2, C_r_B, C_r_C, l_1, l_2 : array_like, shape (n,) or scalar, optional
-        Values per sample in SI units (m/s, rad, N, and m for all others), in place of those in
-        `parameters`.
-    b, C_r : array_like, shape (n,) or scalar, optional
-        One thickness for crank and rod, one clearance for both joints (m).
     tolerance : float, optional
         Local error allowed per time step (m), in the position of the joints.
     threads : int, optional
         Number of threads; by default the cores at hand, or NUMBA_NUM_THREADS. The result of a
         sample depends neither on it nor on the place of the sample in the batch.
+    **samples : array_like, shape (n,) or scalar
+        Values per sample, by the names of `uqfold.mechanism.wing.Samples`, in place of those in
+        `parameters`: V_q, delta, k_d, b_1, b_2 or b, C_r_B, C_r_C or C_r, l_1, l_2 (SI units).
 
     Returns
     -------
@@ -110,6 +99,8 @@ def deployment_times(
     ValueError
         If the shapes do not fit, `b` or `C_r` is given beside one of its parts, the tolerance is
         not positive, or `threads` is below 1.
+    TypeError
+        If a name is none of those.
 
     Examples
     --------
@@ -123,29 +114,16 @@ def deployment_times(
         threads = int(cast(Any, config).NUMBA_NUM_THREADS)
     if threads < 1:
         raise ValueError(f"threads = {threads} is not positive: give at least 1, or None")
-    given = {
-        "V_q": V_q,
-        "delta": delta,
-        "k_d": k_d,
-        "b": b,
-        "b_1": b_1,
-        "b_2": b_2,
-        "C_r": C_r,
-        "C_r_B": C_r_B,
-        "C_r_C": C_r_C,
-        "l_1": l_1,
-        "l_2": l_2,
-    }
-    samples = sample_table(parameters, given)
+    table = sample_table(parameters, samples)
     shared = shared_parameters(parameters)
-    times = np.empty(len(samples))
-    even = -(-len(samples) // (_CHUNKS_PER_THREAD * threads))
+    times = np.empty(len(table))
+    even = -(-len(table) // (_CHUNKS_PER_THREAD * threads))
     chunk = min(max(even, _SMALLEST_CHUNK), _LARGEST_CHUNK)
-    starts = range(0, len(samples), chunk)
+    starts = range(0, len(table), chunk)
 
     def run(start: int) -> None:
         rows = slice(start, start + chunk)
-        deploy_lanes(shared, samples[rows], float(tolerance), MAX_STEPS, times[rows])
+        deploy_lanes(shared, table[rows], float(tolerance), MAX_STEPS, times[rows])
 
     if threads == 1 or len(starts) <= 1:
         for start in starts:

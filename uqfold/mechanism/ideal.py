@@ -1,62 +1,35 @@
 """Deployment times of wings with ideal joints: no clearance, a hundred times cheaper.
 
-Wings advance side by side in lanes, each with its own time steps, in one loop without branches that
-the compiler turns into vector instructions.
+Wings advance side by side in lanes; see `ideal_lanes`.
 """
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from uqfold.mechanism.closed_loop import Five, Wing, rates, slider, step
-from uqfold.mechanism.compiled import entry_point, fingerprint, inlined, kernel
-from uqfold.mechanism.events import NOT_IN_STEP, quintic
-from uqfold.mechanism.loads import next_drive_corner
+from uqfold.mechanism.compiled import entry_point, fingerprint
+from uqfold.mechanism.ideal_lanes import LANES, follow, resting_lanes, start_lane
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.wing import (
     SampleParameters,
-    SharedParameters,
+    Samples,
     is_possible,
     sample_table,
     shared_parameters,
-    wing_constants,
 )
 
 IDEAL_TOLERANCE = 1e-5
 """Local error allowed per time step, relative to the speed of the motion; see `step`."""
 
-_LANES = 32
-_STEP_AFTER_CORNER = 0.04
-_LARGEST_STEP = 0.1
-_SMALLEST_STEP = 1e-12
-_MAX_STEPS = 100_000
-
-# Rows of the table of lanes: the wing; time, next step, next corner of the drive, step taken and
-# whether to look closer; state and rates, now and before the step taken.
-_L_1, _L_2, _J_A, _J_2, _M_2, _M_3, _D_1, _D_2, _G_1, _G_2, _G_3, _K_D = range(12)
-_T, _H, _CORNER, _TAKEN, _LOOK = 12, 13, 14, 15, 16
-_STATE, _RATE, _OLD_STATE, _OLD_RATE = 17, 22, 27, 32
-_ROWS = 37
-
 
 def ideal_deployment_times(
     parameters: WingParameters,
     *,
-    V_q: ArrayLike | None = None,
-    delta: ArrayLike | None = None,
-    k_d: ArrayLike | None = None,
-    b: ArrayLike | None = None,
-    b_1: ArrayLike | None = None,
-    b_2: ArrayLike | None = None,
-    C_r: ArrayLike | None = None,
-    C_r_B: ArrayLike | None = None,
-    C_r_C: ArrayLike | None = None,
-    l_1: ArrayLike | None = None,
-    l_2: ArrayLike | None = None,
     tolerance: float = IDEAL_TOLERANCE,
+    **samples: Unpack[Samples],
 ) -> NDArray[np.float64]:
     """Deployment times of a batch of wings with ideal joints.
 
@@ -67,13 +40,11 @@ def ideal_deployment_times(
     ----------
     parameters : WingParameters
         Values of all parameters that are not given per sample. Joints and contact do not matter.
-    V_q, delta, k_d, b_1, b_2, l_1, l_2, b : array_like, shape (n,) or scalar, optional
-        Values per sample in SI units, in place of those in `parameters`; `b` sets both
-        thicknesses.
-    C_r_B, C_r_C, C_r : array_like, shape (n,) or scalar, optional
-        Clearances (m). They change no time, but an impossible one makes its sample impossible.
     tolerance : float, optional
         Local error allowed per time step, relative to the size of the motion.
+    **samples : array_like, shape (n,) or scalar
+        Values per sample, by the names of `uqfold.mechanism.wing.Samples`, in place of those in
+        `parameters`. Clearances change no time, but an impossible one makes its sample impossible.
 
     Returns
     -------
@@ -86,6 +57,8 @@ def ideal_deployment_times(
     ------
     ValueError
         If the shapes do not fit, a field is given twice, or the tolerance is not positive.
+    TypeError
+        If a name is none of `Samples`.
 
     Examples
     --------
@@ -96,246 +69,21 @@ def ideal_deployment_times(
     """
     if not 0 < tolerance < math.inf:
         raise ValueError(f"tolerance = {tolerance} is no local error: give a positive number")
-    given = {
-        "V_q": V_q,
-        "delta": delta,
-        "k_d": k_d,
-        "b": b,
-        "b_1": b_1,
-        "b_2": b_2,
-        "C_r": C_r,
-        "C_r_B": C_r_B,
-        "C_r_C": C_r_C,
-        "l_1": l_1,
-        "l_2": l_2,
-    }
-    samples = sample_table(parameters, given)
-    times = np.empty(len(samples))
-    _deploy(shared_parameters(parameters), samples, float(tolerance), times)
+    rows = sample_table(parameters, samples)
+    times = np.empty(len(rows))
+    _deploy(shared_parameters(parameters), rows, float(tolerance), times)
     return times
-
-
-@inlined
-def _five(lanes: NDArray[np.float64], row: int, j: int) -> Five:
-    """Five numbers of lane `j`."""
-    k = row * _LANES + j
-    return (
-        lanes[k],
-        lanes[k + _LANES],
-        lanes[k + 2 * _LANES],
-        lanes[k + 3 * _LANES],
-        lanes[k + 4 * _LANES],
-    )
-
-
-@inlined
-def _set_five(lanes: NDArray[np.float64], row: int, j: int, x: Five) -> None:
-    """Set five numbers of lane `j`."""
-    k = row * _LANES + j
-    lanes[k] = x[0]
-    lanes[k + _LANES] = x[1]
-    lanes[k + 2 * _LANES] = x[2]
-    lanes[k + 3 * _LANES] = x[3]
-    lanes[k + 4 * _LANES] = x[4]
-
-
-@inlined
-def _wing(lanes: NDArray[np.float64], j: int) -> Wing:
-    """The wing of lane `j`."""
-    return (
-        lanes[_L_1 * _LANES + j],
-        lanes[_L_2 * _LANES + j],
-        lanes[_J_A * _LANES + j],
-        lanes[_J_2 * _LANES + j],
-        lanes[_M_2 * _LANES + j],
-        lanes[_M_3 * _LANES + j],
-        lanes[_D_1 * _LANES + j],
-        lanes[_D_2 * _LANES + j],
-        lanes[_G_1 * _LANES + j],
-        lanes[_G_2 * _LANES + j],
-        lanes[_G_3 * _LANES + j],
-        lanes[_K_D * _LANES + j],
-    )
-
-
-@kernel
-def _start(f: SharedParameters, p: SampleParameters, lanes: NDArray[np.float64], j: int) -> None:
-    """Fill lane `j` with a wing at rest."""
-    w = wing_constants(f, p)
-    lanes[_L_1 * _LANES + j] = w.l_1
-    lanes[_L_2 * _LANES + j] = 2.0 * w.half_l_2
-    lanes[_J_A * _LANES + j] = 1.0 / w.inverse_J_A
-    lanes[_J_2 * _LANES + j] = 1.0 / w.inverse_J_2
-    lanes[_M_2 * _LANES + j] = 1.0 / w.inverse_m_2
-    lanes[_M_3 * _LANES + j] = 1.0 / w.inverse_m_3
-    lanes[_D_1 * _LANES + j] = w.D_1
-    lanes[_D_2 * _LANES + j] = w.D_2
-    lanes[_G_1 * _LANES + j] = w.G_1
-    lanes[_G_2 * _LANES + j] = w.G_2
-    lanes[_G_3 * _LANES + j] = w.G_3
-    lanes[_K_D * _LANES + j] = w.k_d
-    lanes[_T * _LANES + j] = 0.0
-    corner = next_drive_corner(0.0, f.t_max)
-    lanes[_CORNER * _LANES + j] = corner
-    lanes[_H * _LANES + j] = corner
-    # the slider on the side nearer to A, as in `initial_pose`
-    s_1 = math.sin(f.theta_1_initial)
-    s_2 = (p.l_1 * s_1 + f.c) / p.l_2
-    y = (math.cos(f.theta_1_initial), s_1, math.sqrt(1.0 - s_2 * s_2), s_2, 0.0)
-    _set_five(lanes, _STATE, j, y)
-    _set_five(lanes, _RATE, j, rates(_wing(lanes, j), y, 0.0))
-
-
-@kernel
-def _slider(lanes: NDArray[np.float64], state: int, j: int) -> tuple[float, float, float]:
-    """Position, velocity and acceleration of the slider; `state` is _STATE or _OLD_STATE."""
-    w_rate = lanes[(state + 9) * _LANES + j]
-    return slider(_wing(lanes, j), _five(lanes, state, j), w_rate)
-
-
-@kernel
-def _lock_fraction(
-    start: tuple[float, float, float], end: tuple[float, float, float], h: float, x_lock: float
-) -> float:
-    """Fraction of a step at which the slider first reaches the lock; NOT_IN_STEP if it does not."""
-    high = 1.0
-    if end[0] < x_lock:
-        # it may pass the lock and come back within the step
-        if not start[1] > 0.0 > end[1]:
-            return NOT_IN_STEP
-        high = start[1] / (start[1] - end[1])
-        if quintic(*start, *end, h, high)[0] < x_lock:
-            return NOT_IN_STEP
-    low = 0.0
-    s = 0.5 * high
-    for _ in range(60):
-        x, v = quintic(*start, *end, h, s)
-        if x < x_lock:
-            low = s
-        else:
-            high = s
-        last = s
-        s = s - (x - x_lock) / (v * h) if v != 0.0 else low
-        if not low <= s <= high:
-            s = 0.5 * (low + high)
-        # Newton's next correction would be of the order of the square
-        if abs(s - last) <= 1e-7:
-            break
-    return s
-
-
-@inlined
-def _chosen(choice: bool, x: Five, y: Five) -> Five:
-    """Return x if `choice`, else y."""
-    return (
-        x[0] if choice else y[0],
-        x[1] if choice else y[1],
-        x[2] if choice else y[2],
-        x[3] if choice else y[3],
-        x[4] if choice else y[4],
-    )
-
-
-@kernel
-def _advance(lanes: NDArray[np.float64], c: float, x_lock: float, tolerance: float) -> None:
-    """Try one step in every lane, keep it where its error is small enough, and set LOOK.
-
-    LOOK is 1 where more may have happened than a step, else 0. A lane whose step is 0 rests. No
-    branch and no call may enter this loop.
-    """
-    for j in range(_LANES):
-        wing = _wing(lanes, j)
-        y = _five(lanes, _STATE, j)
-        start_rates = _five(lanes, _RATE, j)
-        t = lanes[_T * _LANES + j]
-        h = lanes[_H * _LANES + j]
-        end, end_rates, error = step(wing, y, start_rates, t, h, c)
-        kept = error <= tolerance
-        # roots on the careful side of the fifth; the motion gets faster all the time, so a step
-        # that has only just passed is no reason for a longer one; NaN gives 0.1
-        factor = math.sqrt(math.sqrt(tolerance / error))
-        factor = 0.8 * (math.sqrt(factor) if factor > 1.0 else factor)
-        factor = factor if factor > 0.1 else 0.1
-        factor = factor if factor < 5.0 else 5.0
-        h_next = factor * h
-        h_next = h_next if h_next < _LARGEST_STEP else _LARGEST_STEP
-        taken = h if kept else 0.0
-        left = lanes[_CORNER * _LANES + j] - (t + taken)
-        # two equal steps up to a corner rather than a long and a tiny one
-        h_next = h_next if left > 2.0 * h_next else (0.5 * left if left > h_next else left)
-        _set_five(lanes, _OLD_STATE, j, y)
-        _set_five(lanes, _OLD_RATE, j, start_rates)
-        _set_five(lanes, _STATE, j, _chosen(kept, end, y))
-        _set_five(lanes, _RATE, j, _chosen(kept, end_rates, start_rates))
-        lanes[_T * _LANES + j] = t + taken
-        lanes[_TAKEN * _LANES + j] = taken
-        lanes[_H * _LANES + j] = h_next if h > 0.0 else 0.0
-        x_3, v_3, _ = slider(wing, end, end_rates[4])
-        at_lock = (x_3 >= x_lock) | (v_3 < 0.0)
-        look = (h > 0.0) & (at_lock | (left <= _SMALLEST_STEP) | (h_next < _SMALLEST_STEP))
-        lanes[_LOOK * _LANES + j] = 1.0 if look else 0.0
-
-
-@kernel
-def _look(lanes: NDArray[np.float64], j: int, x_lock: float, t_max: float) -> tuple[bool, float]:
-    """Whether the motion of lane `j` is over after a step, and its deployment time."""
-    t = lanes[_T * _LANES + j]
-    taken = lanes[_TAKEN * _LANES + j]
-    h = lanes[_H * _LANES + j]
-    if taken == 0.0:
-        return h < _SMALLEST_STEP, math.nan
-    end = _slider(lanes, _STATE, j)
-    if end[0] >= x_lock or end[1] < 0.0:
-        s = _lock_fraction(_slider(lanes, _OLD_STATE, j), end, taken, x_lock)
-        if s < NOT_IN_STEP:
-            return True, t - (1.0 - s) * taken
-    corner = lanes[_CORNER * _LANES + j]
-    if corner - t <= _SMALLEST_STEP:
-        if corner >= t_max:
-            return True, math.inf
-        t = corner
-        corner = next_drive_corner(t, t_max)
-        lanes[_T * _LANES + j] = t
-        lanes[_CORNER * _LANES + j] = corner
-        lanes[_H * _LANES + j] = min(_STEP_AFTER_CORNER, corner - t)
-    return False, math.nan
-
-
-@kernel
-def _follow(
-    lanes: NDArray[np.float64],
-    times: NDArray[np.float64],
-    moving: int,
-    c: float,
-    x_lock: float,
-    t_max: float,
-    tolerance: float,
-) -> None:
-    """Advance all lanes until none is `moving` any more, and note their times (NaN so far)."""
-    for _ in range(_MAX_STEPS):
-        if moving == 0:
-            break
-        _advance(lanes, c, x_lock, tolerance)
-        for j in range(times.shape[0]):
-            if lanes[_LOOK * _LANES + j] == 0.0:
-                continue
-            over, time = _look(lanes, j, x_lock, t_max)
-            if over:
-                times[j] = time
-                lanes[_H * _LANES + j] = 0.0
-                moving -= 1
 
 
 def _build(source: int) -> Callable[..., Any]:
     @entry_point
     def deploy(f, samples, tolerance, times):  # type: ignore[no-untyped-def]
         """Fill `times` (n,) for the `samples` (n, 9)."""
-        lanes = np.ones(_ROWS * _LANES)
-        for j in range(_LANES):
-            lanes[_H * _LANES + j] = 0.0 * source  # source is a part of the cache key only
+        lanes = resting_lanes()
         reach = math.hypot(f.x_lock, f.c)
-        for first in range(0, samples.shape[0], _LANES):
-            chunk = times[first : first + _LANES]
+        # source matters as a part of the cache key only
+        for first in range(0 * source, samples.shape[0], LANES):
+            chunk = times[first : first + LANES]
             moving = 0
             for j in range(chunk.shape[0]):
                 row = samples[first + j]
@@ -346,11 +94,11 @@ def _build(source: int) -> Callable[..., Any]:
                 if not is_possible(f, p):
                     continue
                 if abs(p.l_1 - p.l_2) <= reach <= p.l_1 + p.l_2:
-                    _start(f, p, lanes, j)
+                    start_lane(f, p, lanes, j)
                     moving += 1
                 else:
                     chunk[j] = math.inf
-            _follow(lanes, chunk, moving, f.c, f.x_lock, f.t_max, tolerance)
+            follow(lanes, chunk, moving, f.c, f.x_lock, f.t_max, tolerance)
 
     return deploy
 

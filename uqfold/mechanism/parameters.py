@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args
 
+from uqfold.mechanism.parameter_checks import check_assembly, check_joints, checked
+
 ContactLaw = Literal["lankarani-nikravesh", "hunt-crossley", "flores-2011", "gonthier"]
 TangentialVelocity = Literal["geometric", "material"]
 
@@ -22,9 +24,6 @@ PARTS = {
     "nu_2": ("nu_b_C",),
 }
 """The paper's names for what several fields of the record have in common."""
-
-_NOT_NEGATIVE = {"V_q", "C_0", "rho_a", "C_f", "friction_v_0", "friction_v_1"}
-_ANY_SIGN = {"c", "k_d", "delta", "theta_1_initial", "x_lock"}
 
 
 def spread(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -183,11 +182,11 @@ class WingParameters:
         unknown = values.keys() - {field.name for field in fields(self)} - PARTS.keys()
         if unknown:
             raise TypeError(f"{', '.join(sorted(unknown))}: no such parameter of the wing")
-        given = spread({name: _checked(name, value) for name, value in values.items()})
+        given = spread({name: checked(name, value, _CHOICES) for name, value in values.items()})
         for field in fields(self):
             object.__setattr__(self, field.name, given.get(field.name, field.default))
-        self._check_joints()
-        self._check_assembly()
+        check_joints(self)
+        check_assembly(self)
 
     def __repr__(self) -> str:
         """Show what differs from Table 1."""
@@ -274,71 +273,3 @@ class WingParameters:
         if len(set(values.values())) > 1:
             raise ValueError(f"{name} has no one value here, {values}: ask for its parts")
         return next(iter(values.values()))
-
-    def _check_joints(self) -> None:
-        for name in ("C_r_B", "C_r_C"):
-            if getattr(self, name) >= self.R_b:
-                shown = "C_r" if self.C_r_B == self.C_r_C else name
-                raise ValueError(
-                    f"{shown} = {getattr(self, name)} m leaves no journal in a bearing of radius "
-                    f"R_b = {self.R_b} m: give a clearance below R_b"
-                )
-        if self.C_e > 1:
-            raise ValueError(
-                f"C_e = {self.C_e} would create energy at every impact: give a value in (0, 1]"
-            )
-        if self.friction_v_1 <= self.friction_v_0:
-            raise ValueError(
-                f"friction_v_1 = {self.friction_v_1} m/s does not lie above friction_v_0 = "
-                f"{self.friction_v_0} m/s: the friction ramp needs friction_v_0 < friction_v_1"
-            )
-
-    def _check_assembly(self) -> None:
-        rise = self.l_1 * math.sin(self.theta_1_initial) + self.c
-        if abs(rise) >= self.l_2:
-            raise ValueError(
-                f"l_2 = {self.l_2} m is too short to assemble: the rod has to span a height of "
-                f"{abs(rise):.6g} m at theta_1_initial = {self.theta_1_initial} rad; lengthen "
-                "l_2, or reduce l_1, c or theta_1_initial"
-            )
-        if self.x_lock <= self.x_3_initial:
-            raise ValueError(
-                f"x_lock = {self.x_lock} m is not ahead of the slider, which starts at "
-                f"{self.x_3_initial:.6g} m: give a larger x_lock"
-            )
-        reach = math.hypot(self.x_lock, self.c)
-        if not abs(self.l_1 - self.l_2) <= reach <= self.l_1 + self.l_2:
-            raise ValueError(
-                f"x_lock = {self.x_lock} m is unreachable: joint C would be {reach:.6g} m from A, "
-                f"but the arms allow {abs(self.l_1 - self.l_2):.6g} to {self.l_1 + self.l_2:.6g} m;"
-                " choose x_lock within reach"
-            )
-
-
-def _checked(name: str, value: Any) -> float | str:
-    """Return the value as a float, or the choice, if the parameter can have it."""
-    if name in _CHOICES:
-        if value not in _CHOICES[name]:
-            raise ValueError(
-                f"{name} = {value!r} is unknown: choose one of {', '.join(_CHOICES[name])}"
-            )
-        return str(value)
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(
-            f"{name} = {value!r} is not a number: give one value in SI units"
-        ) from None
-    if not math.isfinite(number):
-        raise ValueError(f"{name} = {value} is not finite: give a finite value")
-    if name.startswith("nu_"):
-        if not -1 < number <= 0.5:
-            raise ValueError(
-                f"{name} = {value} is no Poisson's ratio: give a value above -1 and up to 0.5"
-            )
-    elif name in _NOT_NEGATIVE:
-        if number < 0:
-            raise ValueError(f"{name} = {value} is negative: give 0 or a positive value")
-    elif name not in _ANY_SIGN and number <= 0:
-        raise ValueError(f"{name} = {value} is not positive: give a value above 0")
-    return number

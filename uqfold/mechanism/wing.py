@@ -1,7 +1,7 @@
 """What the kernels know of one wing: plain numbers worked out once before the motion starts."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,6 +63,26 @@ class SampleParameters(NamedTuple):
     l_2: float
 
 
+class Samples(TypedDict, total=False):
+    """Values per sample that a batch may be given: arrays of shape (n,), scalars, or None for none.
+
+    In SI units: V_q (m/s), delta (rad), k_d (N), all others in m. `b` is one thickness for crank
+    and rod, `C_r` one clearance for both joints.
+    """
+
+    V_q: ArrayLike | None
+    delta: ArrayLike | None
+    k_d: ArrayLike | None
+    b: ArrayLike | None
+    b_1: ArrayLike | None
+    b_2: ArrayLike | None
+    C_r: ArrayLike | None
+    C_r_B: ArrayLike | None
+    C_r_C: ArrayLike | None
+    l_1: ArrayLike | None
+    l_2: ArrayLike | None
+
+
 class WingConstants(NamedTuple):
     """What the equations of motion need, in SI units; D are drags, G weights along X."""
 
@@ -116,18 +136,16 @@ def sample_parameters(parameters: WingParameters) -> SampleParameters:
     return SampleParameters(*(getattr(parameters, name) for name in SampleParameters._fields))
 
 
-def sample_table(
-    parameters: WingParameters, given: dict[str, ArrayLike | None]
-) -> NDArray[np.float64]:
+def sample_table(parameters: WingParameters, given: Samples) -> NDArray[np.float64]:
     """Return the samples as rows, with the columns of `SampleParameters`.
 
     Parameters
     ----------
     parameters : WingParameters
         Values of what is not given.
-    given : dict
-        Values per sample by name, None where there are none; a name that stands for several fields
-        of `SampleParameters` (see `spread`) gives all of them.
+    given : Samples
+        Values per sample; a name that stands for several fields of `SampleParameters` (see
+        `spread`) gives all of them.
 
     Returns
     -------
@@ -138,7 +156,15 @@ def sample_table(
     ------
     ValueError
         If the shapes do not fit, or a field is given twice.
+    TypeError
+        If a name is none of `Samples`.
     """
+    unknown = given.keys() - Samples.__annotations__.keys()
+    if unknown:
+        raise TypeError(
+            f"{', '.join(sorted(unknown))}: no parameter that may differ between samples; those "
+            f"are {', '.join(Samples.__annotations__)}"
+        )
     values_of = spread({name: values for name, values in given.items() if values is not None})
     columns = {}
     for name in SampleParameters._fields:
