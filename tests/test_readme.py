@@ -9,7 +9,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
-PAGES = ["README.md", "docs/evaluation.md", "docs/mechanism.md", "docs/records.md"]
+PAGES = [
+    "README.md",
+    "docs/evaluation.md",
+    "docs/mechanism.md",
+    "docs/records.md",
+    "docs/studies.md",
+]
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -14,6 +14,7 @@ import typer
 
 import uqfold
 from uqfold.cli.interrupts import Interrupts
+from uqfold.cli.study import study_app
 from uqfold.comparison.cases import available_cases, named_case
 from uqfold.evaluation.errors import EngineError
 
@@ -34,6 +35,7 @@ Examples:
   uqfold compare folding-wing
   uqfold compare --help
   uqfold methods
+  uqfold study list
 """
 
 _COMPARE_HELP = f"""Compare reliability methods on one case.
@@ -241,6 +243,9 @@ def list_methods() -> None:
     width = max(map(len, methods))
     for name, method in methods.items():
         typer.echo(f"{name:<{width}}  {method.title}".rstrip())
+
+
+app.add_typer(study_app)
 
 
 def _usage(check: Callable[..., Value], *arguments: object) -> Value:

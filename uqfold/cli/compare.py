@@ -84,12 +84,12 @@ class ComparisonSession:
             self._say_interrupted()
             code = EXIT_INTERRUPTED
         except (FailedRunError, EngineError) as error:
-            _say(f"error: {error}")
+            say(f"error: {error}")
             code = EXIT_FAILED
         if self.records.rows:
             self._report()
         if code == 0 and all(math.isnan(row["pf"]) for row in self.records.rows):
-            _say("error: no method has an answer")
+            say("error: no method has an answer")
             code = EXIT_FAILED
         return code
 
@@ -97,7 +97,7 @@ class ComparisonSession:
         """Run the methods one by one, and save each as soon as it has finished."""
         terminal = Console(stderr=True, quiet=self.quiet)
         with notice_if_slow(COMPILING, terminal):
-            _run_once(self.plan.problem)
+            run_once(self.plan.problem)
         labels = list(self.plan.methods)
         with (
             ProgressLines(sys.stderr)
@@ -124,7 +124,7 @@ class ComparisonSession:
         self._written = list(write_records(self.records, self.folder))
 
     def _report(self) -> None:
-        out = _stdout(quiet=self.quiet)
+        out = stdout_console(quiet=self.quiet)
         out.print(ComparisonTable(self.records))
         if self.figures:
             self._written += write_figures(self.records, self.folder)
@@ -141,14 +141,14 @@ class ComparisonSession:
                 f"interrupted: {len(finished)} of {len(asked)} methods finished and are kept in "
                 f"{shown_path(self.folder)}: {', '.join(finished)}"
             )
-        _say(said)
+        say(said)
         store = self.plan.evaluator.store
         if isinstance(store, Store):
             kept = f"{len(store):,} model runs are kept in {shown_path(store.path)}"
-            _say(f"{kept}; to go on from there: {self.resume}")
+            say(f"{kept}; to go on from there: {self.resume}")
 
 
-def _say(text: str) -> None:
+def say(text: str) -> None:
     """Say something on the standard error, also when quiet, in one line."""
     Console(stderr=True).print(text, markup=False, highlight=False, soft_wrap=True)
 
@@ -159,7 +159,7 @@ def shown_path(path: Path) -> str:
     return str(path) if relative.startswith(os.pardir) else relative
 
 
-def _run_once(problem: Problem) -> None:
+def run_once(problem: Problem) -> None:
     """Run the model once at the median inputs, outside any count, so that it gets compiled.
 
     Otherwise the first method would be charged with the compilation. What the model has against
@@ -170,7 +170,7 @@ def _run_once(problem: Problem) -> None:
         problem.model(x)
 
 
-def _stdout(*, quiet: bool) -> Console:
+def stdout_console(*, quiet: bool) -> Console:
     """Give the console of the standard output; into a pipe or file the table is set wide."""
     piped = not sys.stdout.isatty() and "COLUMNS" not in os.environ
     return Console(width=PIPED_WIDTH if piped else None, quiet=quiet)

@@ -32,11 +32,14 @@ class Case:
     factory: str
     max_evals: int
 
+    def function(self) -> Callable[..., Problem]:
+        """Give the function that builds the problem, and takes its options."""
+        module, _, function = self.factory.partition(":")
+        return cast("Callable[..., Problem]", getattr(import_module(module), function))
+
     def problem(self) -> Problem:
         """Build the problem."""
-        module, _, function = self.factory.partition(":")
-        build = cast("Callable[[], Problem]", getattr(import_module(module), function))
-        return build()
+        return self.function()()
 
 
 _CASES = (

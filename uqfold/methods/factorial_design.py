@@ -64,8 +64,8 @@ class FFNIDetails:
         Mean, standard deviation, skewness and kurtosis (K,) over the finite responses.
     distributions
         The conditional distribution fitted at each node, or None where no response is finite.
-    p_never, p_missing
-        Quadrature mass (K,) of +inf responses and of failed runs at each node.
+    p_never, p_always, p_missing
+        Quadrature mass (K,) of +inf responses, of -inf responses and of failed runs at each node.
     """
 
     shared_nodes: FloatArray
@@ -73,7 +73,19 @@ class FFNIDetails:
     moments: Moments
     distributions: tuple[ConditionalDistribution | None, ...]
     p_never: FloatArray
+    p_always: FloatArray
     p_missing: FloatArray
+
+    @property
+    def responses(self) -> list[ConditionalResponse]:
+        """The conditional response at every shared node."""
+        masses = zip(self.p_never, self.p_always, self.p_missing, strict=True)
+        return [
+            ConditionalResponse(distribution, float(never), float(always), float(missing))
+            for distribution, (never, always, missing) in zip(
+                self.distributions, masses, strict=True
+            )
+        ]
 
 
 def check_nodes(name: str, nodes: Nodes) -> None:
@@ -165,24 +177,16 @@ def conditional_responses(
     distributions: list[ConditionalDistribution | None] = [
         fit(*moments.row(k)) if finite[k].any() else None for k in range(len(table))
     ]
-    responses = [
-        ConditionalResponse(
-            distribution,
-            p_never=float(never[k]),
-            p_always=float(always[k]),
-            p_missing=float(missing[k]),
-        )
-        for k, distribution in enumerate(distributions)
-    ]
     details = FFNIDetails(
         shared_nodes=design.shared_nodes,
         weights=design.shared_weights,
         moments=moments,
         distributions=tuple(distributions),
         p_never=never,
+        p_always=always,
         p_missing=missing,
     )
-    return responses, details
+    return details.responses, details
 
 
 def _per_variable(name: str, nodes: Nodes, n_variables: int) -> Sequence[int]:

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from uqfold.comparison.columns import Row
 from uqfold.comparison.records import Records
+from uqfold.report.drawing import (
+    SMALLEST_PF,
+    UPPER_BOUND,
+    Curve,
+    draw_method,
+    draw_reference,
+    method_curve,
+    reference_curve,
+    set_logarithmic,
+)
 from uqfold.report.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -19,7 +28,6 @@ from uqfold.report.style import (
     method_styles,
 )
 from uqfold.report.wording import REFERENCE_STANDARD_ERRORS, panel_key, panel_text, quantity
-from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,25 +36,6 @@ if TYPE_CHECKING:
 WIDTH_INCHES = 8.0
 ROW_INCHES = 2.6
 FRAME_INCHES = 1.1
-UPPER_BOUND: Any = {"linestyle": "", "marker": "$\\downarrow$", "markersize": 8.0}
-SMALLEST_PF = 1e-16
-"""Failure probabilities below are not drawn."""
-
-
-@dataclass(frozen=True)
-class _Curve:
-    """Failure probabilities over x (n,), with bounds (n,) that are NaN where there are none."""
-
-    x: FloatArray
-    pf: FloatArray
-    low: FloatArray
-    high: FloatArray
-
-    def values(self, as_pf: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give value, lower and upper bound of pf, or of the reliability."""
-        if as_pf:
-            return self.pf, self.low, self.high
-        return 1.0 - self.pf, 1.0 - self.high, 1.0 - self.low
 
 
 @figure_settings()
@@ -86,7 +75,7 @@ def reliability_curves(records: Records) -> Figure | None:
         for axes, as_pf in zip(pair, (False, True), strict=True):
             axes.set_ylabel("failure probability" if as_pf else "reliability")
             if as_pf:
-                _set_logarithmic(axes, rows)
+                set_logarithmic(axes, rows)
             if len(thresholds) > 1:
                 _draw_curves(axes, rows, styles, as_pf)
             else:
@@ -104,96 +93,28 @@ def reliability_curves(records: Records) -> Figure | None:
 def _draw_curves(
     axes: Axes, rows: Sequence[Row], styles: Mapping[str, MethodStyle], as_pf: bool
 ) -> None:
-    _draw_reference(axes, _reference(rows), as_pf)
+    draw_reference(axes, reference_curve(rows), as_pf)
     for i, (label, style) in enumerate(styles.items()):
         own = [row for row in rows if row["label"] == label and math.isfinite(row["threshold"])]
         own.sort(key=lambda row: float(row["threshold"]))
-        curve = _curve(own, [row["threshold"] for row in own])
-        _draw_method(axes, curve, style, as_pf, size=_nested_size(i, len(styles)), joined=True)
+        curve = method_curve(own, [row["threshold"] for row in own])
+        draw_method(axes, curve, style, as_pf, size=_nested_size(i, len(styles)), joined=True)
 
 
 def _draw_points(
     axes: Axes, rows: Sequence[Row], styles: Mapping[str, MethodStyle], as_pf: bool
 ) -> None:
-    reference = _reference(rows)
+    reference = reference_curve(rows)
     edges = np.array([-0.5, len(styles) - 0.5])
     wide = [np.resize(part, 2) for part in (reference.pf, reference.low, reference.high)]
     if reference.x.size:
-        _draw_reference(axes, _Curve(edges, *wide), as_pf)
+        draw_reference(axes, Curve(edges, *wide), as_pf)
     for i, (label, style) in enumerate(styles.items()):
         own = [row for row in rows if row["label"] == label]
-        _draw_method(axes, _curve(own, [i] * len(own)), style, as_pf, size=6.0, joined=False)
+        draw_method(axes, method_curve(own, [i] * len(own)), style, as_pf, size=6.0, joined=False)
     axes.set_xlim(*edges)
     axes.set_xticks(range(len(styles)), list(styles), rotation=20, ha="right")
     axes.grid(visible=False, axis="x")
-
-
-def _draw_method(
-    axes: Axes, curve: _Curve, style: MethodStyle, as_pf: bool, *, size: float, joined: bool
-) -> None:
-    value, low, high = curve.values(as_pf)
-    # an axis without zero shows the upper bound of an estimate of zero, with an arrow down
-    hidden = as_pf & (curve.pf < SMALLEST_PF)
-    bars = np.vstack([value - low, high - value])
-    has_bar = np.isfinite(bars).all(axis=0) & ~hidden
-    axes.plot(
-        curve.x,
-        np.where(hidden, np.nan, value),
-        # points with error bars of their own are not joined
-        linestyle="-" if joined and not has_bar.any() else "",
-        color=style.color,
-        marker=style.marker,
-        markersize=size,
-        markerfacecolor="white",
-        markeredgewidth=1.1,
-    )
-    axes.errorbar(
-        curve.x[has_bar],
-        value[has_bar],
-        yerr=np.maximum(bars[:, has_bar], 0.0),
-        fmt="none",
-        ecolor=style.color,
-        elinewidth=1.0,
-        capsize=2.5,
-    )
-    bounded = hidden & (high > SMALLEST_PF)
-    axes.plot(curve.x[bounded], high[bounded], **UPPER_BOUND, color=style.color)
-
-
-def _draw_reference(axes: Axes, reference: _Curve, as_pf: bool) -> None:
-    value, low, high = reference.values(as_pf)
-    axes.fill_between(reference.x, low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
-    # on top: where methods agree their curves would hide it
-    axes.plot(reference.x, value, **REFERENCE_LINE, zorder=3.0)
-
-
-def _reference(rows: Sequence[Row]) -> _Curve:
-    """Give the reference and its band over T; thresholds without one leave gaps."""
-    by_threshold = {row["threshold"]: row for row in rows if math.isfinite(row["threshold"])}
-    own = [by_threshold[threshold] for threshold in sorted(by_threshold)]
-    if all(math.isnan(row["reference_pf"]) for row in own):
-        own = []
-    pf = np.array([row["reference_pf"] for row in own])
-    half = REFERENCE_STANDARD_ERRORS * np.array([row["reference_std_error"] for row in own])
-    low, high = np.maximum(pf - half, SMALLEST_PF), np.minimum(pf + half, 1.0)
-    return _Curve(np.array([row["threshold"] for row in own]), pf, low, high)
-
-
-def _curve(rows: Sequence[Row], x: Sequence[float]) -> _Curve:
-    columns = ([row[name] for row in rows] for name in ("pf", "ci_low", "ci_high"))
-    return _Curve(np.array(x, dtype=np.float64), *(np.array(c, dtype=np.float64) for c in columns))
-
-
-def _set_logarithmic(axes: Axes, rows: Sequence[Row]) -> None:
-    values = [row[name] for row in rows for name in ("pf", "reference_pf", "ci_high")]
-    positive = [value for value in values if value > SMALLEST_PF]
-    axes.set_yscale("log")
-    if positive:
-        # long bars of estimates from a few failures are cut off rather than squeeze the rest
-        lows = [row["ci_low"] for row in rows if row["ci_low"] > 0.2 * min(positive)]
-        low, high = min(positive + lows), max(positive)
-        margin = 1.05 * (high / low) ** 0.07
-        axes.set_ylim(low / margin, high * margin)
 
 
 def _nested_size(index: int, count: int) -> float:

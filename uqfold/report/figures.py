@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from uqfold.comparison.records import Records, replacing
 from uqfold.report.cost import error_against_evaluations
 from uqfold.report.curves import reliability_curves
 from uqfold.report.style import figure_settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CURVES_STEM = "reliability-curves"
 COST_STEM = "error-against-evaluations"
@@ -44,14 +48,19 @@ def write_figures(records: Records, folder: str | os.PathLike[str]) -> list[Path
         CURVES_STEM: reliability_curves(records),
         COST_STEM: error_against_evaluations(records),
     }
-    written = []
-    for path in figure_paths(directory):
-        figure = figures[path.stem]
-        if figure is None:
-            continue
+    written: list[Path] = []
+    for stem, figure in figures.items():
+        if figure is not None:
+            written += save_figure(figure, directory, stem)
+    return written
+
+
+def save_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
+    """Write one figure in all `FORMATS`; each file appears whole or not at all."""
+    paths = [folder / f"{stem}.{suffix}" for suffix in FORMATS]
+    for path in paths:
         with figure_settings(), replacing(path) as temporary:
             # without a date the same records give the same file
             metadata = {"Date": None} if path.suffix == ".svg" else None
             figure.savefig(temporary, metadata=metadata)
-        written.append(path)
-    return written
+    return paths

@@ -50,6 +50,11 @@ _FURTHER = (
     MethodStyle("#8C510A", "h"),
 )
 
+_CURVE_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
+
+COLUMN_INCHES = 3.5
+"""Width of a column of print."""
+
 REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4, 2))}
 BAND_COLOR = "#D9D9D9"
 
@@ -101,3 +106,31 @@ def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     """
     further = cycle(_FURTHER)
     return {label: _FIXED.get(label) or next(further) for label in labels}
+
+
+def shades(style: MethodStyle, count: int, *, own_markers: bool) -> list[MethodStyle]:
+    """Give several curves of one method their looks: its colour from dark to light.
+
+    Parameters
+    ----------
+    style
+        The method's own.
+    count
+        How many curves.
+    own_markers
+        Whether each has another marker; otherwise all have the method's.
+    """
+    from matplotlib.colors import to_hex, to_rgb
+
+    if count == 1:
+        return [style]
+    looks = []
+    for i in range(count):
+        # -1 darkest, +1 lightest
+        level = 2.0 * i / (count - 1) - 1.0
+        target, weight = (1.0, 0.5 * level) if level > 0.0 else (0.0, -0.55 * level)
+        red, green, blue = (part + weight * (target - part) for part in to_rgb(style.color))
+        color = to_hex((red, green, blue))
+        marker = _CURVE_MARKERS[i % len(_CURVE_MARKERS)] if own_markers else style.marker
+        looks.append(MethodStyle(color, marker))
+    return looks

@@ -1,0 +1,1 @@
+"""Analyses of a study other than comparisons, one file each; see `studies.registry`."""

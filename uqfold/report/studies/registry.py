@@ -1,0 +1,31 @@
+"""The kinds of figure and table that a study may ask for: one file each, one line here.
+
+The `call` of a kind takes the settings of the figure or table (values of its keys) and all tables
+of the study by name (`Mapping[str, pandas.DataFrame]`, with ``problems`` and ``inputs`` among
+them). A figure gives a `matplotlib.figure.Figure`, bound to no window; a table a pandas frame of
+texts whose columns are the headings. Neither runs a model.
+"""
+
+from __future__ import annotations
+
+from uqfold.comparison.studies.keys import Kind
+from uqfold.comparison.studies.registry import loaded_kinds
+
+_FIGURES: dict[str, str] = {
+    "reliability": "uqfold.report.studies.reliability:RELIABILITY",
+}
+_TABLES: dict[str, str] = {
+    "errors": "uqfold.report.studies.error_table:ERRORS",
+    "evaluations": "uqfold.report.studies.evaluations:EVALUATIONS",
+    "inputs": "uqfold.report.studies.inputs:INPUTS",
+}
+
+
+def figure_kinds() -> dict[str, Kind]:
+    """Map the name of every kind of figure to the kind."""
+    return loaded_kinds(_FIGURES)
+
+
+def table_kinds() -> dict[str, Kind]:
+    """Map the name of every kind of table to the kind."""
+    return loaded_kinds(_TABLES)

@@ -1,0 +1,262 @@
+"""Reliability over the threshold T: the body, the tail, and the error of Eq. (49).
+
+These stand one above another. One column of panels is as wide as a column of print. A method keeps
+its colour; where one method has several curves, they are shades of it with markers of their own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from uqfold.comparison.studies.keys import (
+    COLUMN,
+    FLAG,
+    NUMBER,
+    TABLE_NAMES,
+    WHERE,
+    Key,
+    Kind,
+    choice,
+    list_of,
+)
+from uqfold.report.drawing import draw_method, draw_reference, method_curve, reference_curve
+from uqfold.report.studies.selection import (
+    distinct,
+    having,
+    joined,
+    response_axis,
+    selected,
+    value_text,
+)
+from uqfold.report.style import (
+    BAND_COLOR,
+    COLUMN_INCHES,
+    REFERENCE_LINE,
+    MethodStyle,
+    figure_settings,
+    method_styles,
+    shades,
+)
+from uqfold.report.wording import REFERENCE_STANDARD_ERRORS, reference_resolution
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PARTS = {
+    "reliability": "reliability",
+    "pf": "failure probability",
+    "error": "error of pf, Eq. (49)",
+}
+HEIGHTS = {"reliability": 1.6, "pf": 1.8, "error": 1.8}
+LEGEND_ROW_INCHES = 0.17
+PANEL_INCHES = 2.6
+"""Width of a panel where there are several."""
+SMALLEST_ERROR = 1e-4
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One curve of a panel: label of the method, value of the curves' column, how it looks."""
+
+    label: str
+    value: Any
+    style: MethodStyle
+
+
+@figure_settings()
+def draw_reliability(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw the rows of comparisons over T.
+
+    Parameters
+    ----------
+    settings
+        Values of the keys of `RELIABILITY`.
+    tables
+        Tables of the study.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    SelectionError
+        If no row is chosen.
+    """
+    from matplotlib.figure import Figure
+
+    frame = selected(joined(tables, settings["table"]), settings["where"])
+    response, unit = response_axis(tables, frame["problem"].iloc[0])
+    panels = distinct(frame, settings["panels"])
+    lines = _lines(frame, settings["curves"])
+    parts = settings["parts"]
+    handles = _handles(frame, lines, settings, unit)
+    width = COLUMN_INCHES if len(panels) == 1 else PANEL_INCHES * len(panels)
+    columns = max(1, int(width / 1.6))
+    legend = LEGEND_ROW_INCHES * math.ceil(len(handles) / columns) + 0.1
+    figure = Figure(
+        figsize=(width, sum(HEIGHTS[part] for part in parts) + 0.45 + legend),
+        layout="constrained",
+    )
+    grid = figure.subplots(
+        len(parts),
+        len(panels),
+        squeeze=False,
+        sharex=True,
+        sharey="row",
+        height_ratios=[HEIGHTS[part] for part in parts],
+    )
+    for j, panel in enumerate(panels):
+        rows = having(frame, settings["panels"], panel)
+        for part, axes in zip(parts, grid[:, j], strict=True):
+            _draw(axes, rows, lines, part, settings)
+        if settings["panels"] is not None:
+            grid[0, j].set_title(value_text(settings["panels"], panel, unit))
+        grid[-1, j].set_xlabel(f"threshold $T$ on {response}{f' ({unit})' if unit else ''}")
+    for part, axes in zip(parts, grid[:, 0], strict=True):
+        axes.set_ylabel(PARTS[part])
+    figure.align_ylabels(grid[:, 0])
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    return figure
+
+
+def _lines(frame: pd.DataFrame, column: str | None) -> list[_Line]:
+    """Give every curve its look: a method its colour, several curves of one its shades."""
+    labels = distinct(frame, "label")
+    styles = method_styles(labels)
+    values = distinct(frame, column)
+    lines = []
+    for label in labels:
+        several = shades(styles[label], len(values), own_markers=len(labels) == 1)
+        own = having(frame, "label", label)
+        lines += [
+            _Line(label, value, style)
+            for value, style in zip(values, several, strict=True)
+            if not having(own, column, value).empty
+        ]
+    return lines
+
+
+def _draw(
+    axes: Axes, frame: pd.DataFrame, lines: Sequence[_Line], part: str, settings: Mapping[str, Any]
+) -> None:
+    column, floor = settings["curves"], settings["smallest_pf"]
+    values = list(dict.fromkeys(line.value for line in lines))
+    if settings["reference"] and part != "error":
+        for value in values:
+            rows = having(frame, column, value).to_dict("records")
+            draw_reference(axes, reference_curve(rows), part == "pf")
+    for line in lines:
+        own = having(having(frame, "label", line.label), column, line.value)
+        rows = own.sort_values("threshold").to_dict("records")
+        if part == "error":
+            _draw_errors(axes, rows, line.style)
+            continue
+        curve = method_curve(rows, [row["threshold"] for row in rows])
+        draw_method(axes, curve, line.style, part == "pf", size=3.6, joined=True)
+    if part == "pf":
+        axes.set_yscale("log")
+        axes.set_ylim(floor, 1.5)
+    elif part == "reliability":
+        axes.set_ylim(-0.03, 1.03)
+    else:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
+
+
+def _draw_errors(axes: Axes, rows: Sequence[Mapping[str, Any]], style: MethodStyle) -> None:
+    """Draw errors, hollow where the reference cannot judge them."""
+    x = np.array([row["threshold"] for row in rows])
+    error = np.maximum([row["error"] for row in rows], SMALLEST_ERROR)
+    judged = np.array([row["error"] > reference_resolution(row) for row in rows])
+    axes.plot(x, error, "-", color=style.color, linewidth=0.9)
+    for chosen, face in ((judged, style.color), (~judged, "white")):
+        axes.plot(
+            x[chosen],
+            error[chosen],
+            style.marker,
+            color=style.color,
+            markersize=3.6,
+            markerfacecolor=face,
+            markeredgewidth=0.9,
+        )
+
+
+def _handles(
+    frame: pd.DataFrame, lines: Sequence[_Line], settings: Mapping[str, Any], unit: str
+) -> list[Any]:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    column = settings["curves"]
+    several = len({line.label for line in lines}) > 1
+    handles: list[Any] = []
+    for line in lines:
+        words = [line.label] if several or column is None else []
+        words += [] if column is None else [value_text(column, line.value, unit)]
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color=line.style.color,
+                marker=line.style.marker,
+                markerfacecolor="white",
+                markersize=4.5,
+                label=", ".join(words),
+            )
+        )
+    curves = any(part != "error" for part in settings["parts"])
+    if settings["reference"] and curves and frame["reference_pf"].notna().any():
+        handles.append(Line2D([], [], **REFERENCE_LINE, label="reference"))
+        if (frame["reference_std_error"] > 1e-6 * frame["reference_pf"]).any():
+            band = f"its ± {REFERENCE_STANDARD_ERRORS:g} std. errors"
+            handles.append(Patch(color=BAND_COLOR, label=band))
+    if "error" in settings["parts"]:
+        unjudged = [row for row in frame.to_dict("records") if _within(row)]
+        if unjudged:
+            handles.append(
+                Line2D(
+                    [],
+                    [],
+                    linestyle="",
+                    color="#555555",
+                    marker="o",
+                    markerfacecolor="white",
+                    markersize=3.6,
+                    label="within 2 std. errors of ref.",
+                )
+            )
+    return handles
+
+
+def _within(row: Mapping[str, Any]) -> bool:
+    return bool(row["error"] <= reference_resolution(row))
+
+
+RELIABILITY = Kind(
+    "reliability",
+    "Reliability, failure probability on a logarithmic axis, and error of Eq. (49), over T.",
+    (
+        Key("table", TABLE_NAMES, "Runs to draw."),
+        Key("where", WHERE, "Rows to draw.", {}),
+        Key("curves", COLUMN, "Column whose values are curves of their own.", None),
+        Key("panels", COLUMN, "Column whose values are panels side by side.", None),
+        Key(
+            "parts",
+            list_of(choice(*PARTS)),
+            "What to draw, from top to bottom.",
+            ("reliability", "pf"),
+        ),
+        Key("reference", FLAG, "Whether to draw the references.", True),
+        Key("smallest_pf", NUMBER, "Lower end of the axis of pf.", 1e-7),
+    ),
+    draw_reliability,
+    needs=("label", "threshold", "pf", "reference_pf", "error"),
+)
