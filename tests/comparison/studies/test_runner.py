@@ -185,7 +185,7 @@ def test_comparison_finds_a_planted_difference(study: Study, tmp_path: Path) -> 
     changed.loc[3, "pf"] *= 1.0 + 1e-5
     assert len(compared(changed)) == 1
     # another sample is judged in its standard errors
-    mc = body[body["label"] == "mc"].assign(max_evals=9.0)
+    mc = body[body["label"] == "mc"].assign(max_evals=9.0, n_evals=9)
     assert compared(mc) == []
     assert compared(mc.assign(pf=mc["pf"] + 8.0 * mc["std_error"])) != []
     assert "not among" in compared(body.assign(threshold=77.0))[0]

@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas as pd
 
-_SAMPLE = {"max_evals", "seed"}
-"""Columns that say which sample an estimate comes from, not what it estimates."""
+_SAMPLE = ("seed", "n_evals")
+"""Columns that say which sample an estimate comes from; a budget changes it only if used up."""
+
+_DERIVED = ("beta", "error")
+"""Columns that follow from others, and magnify their rounding where they are close to zero."""
 
 
 @dataclass
@@ -42,9 +45,10 @@ def compare_tables(
 ) -> Agreement:
     """Hold fresh rows against committed ones.
 
-    A fresh row is compared with the committed row of the same `index`: its numbers to the relative
-    and absolute tolerance. Where only a row from another sample exists (another budget or seed),
-    the two ``pf`` are compared in their joint standard errors.
+    A fresh row is compared with the committed row of the same `index`, or else of the same index
+    but for budget and seed. If both come from the same sample (seed and model runs), all numbers
+    have to agree to the relative and absolute tolerance; if not, the two ``pf`` in their joint
+    standard errors.
 
     Parameters
     ----------
@@ -58,24 +62,29 @@ def compare_tables(
         ``relative``, ``absolute`` and ``standard_errors``.
     """
     found = Agreement()
-    values = [name for name, kind in columns.items() if kind is float and name not in index]
-    loose = [name for name in index if name not in _SAMPLE]
+    values = [
+        name
+        for name, kind in columns.items()
+        if kind is float and name not in index and name not in _DERIVED
+    ]
+    loose = [name for name in index if name not in {"max_evals", *_SAMPLE}]
     known = {_key(row, index): row for row in committed.to_dict("records")}
     alike = {_key(row, loose): row for row in known.values()}
     for row in fresh.to_dict("records"):
         shown = ", ".join(f"{name} = {row[name]}" for name in index if not _missing(row[name]))
         partner = known.get(_key(row, index))
-        if partner is not None:
+        if partner is None:
+            partner = alike.get(_key(row, loose))
+            if partner is None:
+                found.differences.append(f"{shown}: not among the committed rows")
+                continue
+        if all(partner.get(name) == row.get(name) for name in _SAMPLE):
             for name in values:
                 found.numbers += 1
                 if not _same(partner[name], row[name], tolerances):
                     found.differences.append(
                         f"{shown}: {name} = {row[name]!r}, committed {partner[name]!r}"
                     )
-            continue
-        partner = alike.get(_key(row, loose))
-        if partner is None:
-            found.differences.append(f"{shown}: not among the committed rows")
             continue
         error = math.hypot(row.get("std_error", math.nan), partner.get("std_error", math.nan))
         if math.isnan(error):
