@@ -110,7 +110,7 @@ def test_figures_of_an_earlier_comparison_do_not_stay_beside_other_records() -> 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["wing"], "no case is named 'wing': choose from folding-wing, series, four-bar"),
+        (["wing"], "no case is named 'wing': choose from folding-wing, folding-wing-random-"),
         (["series", "--method", "nope"], "no method is named 'nope': choose from ffni-spa, "),
         (["series", "--method", "mc,mc"], "two methods are labelled 'mc'"),
         (["series", "--threshold", "x"], "--threshold x: give a number"),

@@ -27,6 +27,7 @@ def test_runs_and_writes_its_tables(tmp_path: Path) -> None:
         "ffni-spa": 1,
         "ffni-pearson": 1,
         "mc": 3,
+        "conditional-mc": 3,
         "openturns-form": 1,
         "openturns-mc": 3,
     }

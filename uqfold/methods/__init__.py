@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from uqfold.methods.active_kriging import ActiveKriging
     from uqfold.methods.ask_tell import AskTellSession, SequentialMethod
     from uqfold.methods.base import ReliabilityMethod, Solution, Task
+    from uqfold.methods.conditional_monte_carlo import ConditionalMonteCarlo
     from uqfold.methods.ffni_pearson import FFNIPearson
     from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
     from uqfold.methods.kriging import Kriging
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ActiveKriging",
     "AskTellSession",
+    "ConditionalMonteCarlo",
     "CriterionResult",
     "Estimate",
     "FFNIPearson",
@@ -46,6 +48,7 @@ __getattr__, __dir__ = lazy_exports(
         "ActiveKriging": "uqfold.methods.active_kriging",
         "AskTellSession": "uqfold.methods.ask_tell",
         "SequentialMethod": "uqfold.methods.ask_tell",
+        "ConditionalMonteCarlo": "uqfold.methods.conditional_monte_carlo",
         "CriterionResult": "uqfold.methods.result",
         "Estimate": "uqfold.methods.result",
         "FFNIPearson": "uqfold.methods.ffni_pearson",

@@ -14,6 +14,7 @@ _BUILT_IN: dict[str, str] = {
     "ffni-spa": "uqfold.methods.ffni_saddlepoint:FFNISaddlepoint",
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
+    "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
 }

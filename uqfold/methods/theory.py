@@ -187,6 +187,40 @@ MONTE_CARLO = Theory(
     references=(_CLOPPER_PEARSON,),
 )
 
+CONDITIONAL_MONTE_CARLO = Theory(
+    summary=(
+        "Monte Carlo on the real model that uses the structure of the system. Each draw of the "
+        "shared inputs gets several missions of responses; given the draw these are independent "
+        "and alike, so all ways to choose the responses of one system among them are averaged. "
+        "Within a block the shared draws are stratified; the stated error is that of sampling, "
+        "from the spread of the block means."
+    ),
+    equations=(
+        Equation(
+            "With F failed responses among the K = n B of a shared draw, the probability that n "
+            "units over m missions all work is estimated without bias by",
+            r"\hat{q} = \binom{K - F}{n m} \Big/ \binom{K}{n m}",
+        ),
+        Equation(
+            "under a synchronization threshold, with F failed missions among B, averaged over "
+            "several arrangements of the responses into missions, by",
+            r"\hat{q} = \binom{B - F}{m} \Big/ \binom{B}{m}",
+        ),
+        Equation(
+            "with the mean over shared draws and blocks",
+            r"\hat{p}_f = \operatorname{mean}(1 - \hat{q}), \qquad \hat{\sigma} = "
+            r"\sqrt{\frac{1}{N (N - 1)} \sum_{j=1}^{N} \left( \hat{p}_j - \hat{p}_f \right)^2}",
+        ),
+    ),
+    references=(
+        "Hoeffding W. A class of statistics with asymptotically normal distribution. Annals of "
+        "Mathematical Statistics 19 (1948) 293-325.",
+        "McKay M.D., Beckman R.J., Conover W.J. A comparison of three methods for selecting "
+        "values of input variables in the analysis of output from a computer code. "
+        "Technometrics 21 (1979) 239-245.",
+    ),
+)
+
 OPENTURNS_MONTE_CARLO = Theory(
     summary=(
         "Monte Carlo simulation by OpenTURNS. The whole system is one event in standard-normal "

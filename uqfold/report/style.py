@@ -38,6 +38,7 @@ _FIXED = {
     "ffni-spa": MethodStyle("#0072B2", "o"),
     "ffni-pearson": MethodStyle("#D55E00", "s"),
     "mc": MethodStyle("#009E73", "^"),
+    "conditional-mc": MethodStyle("#332288", "*"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#E69F00", "v"),
 }

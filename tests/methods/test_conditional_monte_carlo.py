@@ -1,0 +1,129 @@
+"""Conditional Monte Carlo: against exact systems, and what its rows say."""
+
+import math
+
+import numpy as np
+import pytest
+
+from uqfold import Problem, criteria
+from uqfold.inputs import normal
+from uqfold.methods import ConditionalMonteCarlo, MonteCarlo
+from uqfold.methods.conditional_monte_carlo import BLOCK_DRAWS
+from uqfold.problems import series
+from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.testing.linear_normal import LinearNormalSystem
+
+SYSTEM = LinearNormalSystem(units=4, shared_std=0.8)
+GRID = criteria([11.0, 12.5], tau=[None, 2.5], missions=[1, 2, 5, Binomial(5, 0.6)])
+
+
+def test_answers_are_those_of_the_exact_system() -> None:
+    """All 16 criteria over 40 seeds: mean z-score and spread as the stated errors promise."""
+    exact = np.array([SYSTEM.pf(criterion) for criterion in GRID])
+    problem = SYSTEM.problem()
+    rows = [
+        ConditionalMonteCarlo(blocks=30).estimate(problem, GRID, rng=seed) for seed in range(40)
+    ]
+    pf = np.array([result.pf for result in rows])
+    stated = np.array([[row.std_error for row in result] for result in rows])
+    error = pf.std(axis=0, ddof=1)
+    # five standard errors of a mean over 40, and of a spread over 40
+    assert np.all(np.abs(pf.mean(axis=0) - exact) < 5.0 * error / math.sqrt(40))
+    ratio = error / np.sqrt((stated**2).mean(axis=0))
+    assert np.all(np.abs(ratio - 1.0) < 5.0 / math.sqrt(2 * 39))
+
+
+def test_shared_inputs_drawn_anew_would_be_seen() -> None:
+    """The check above can fail: the independent system lies many standard errors away."""
+    criterion = Criterion(11.0, missions=5)
+    row = ConditionalMonteCarlo(blocks=60).estimate(SYSTEM.problem(), criterion, rng=1)[0]
+    total = math.hypot(SYSTEM.shared_std, SYSTEM.individual_std)
+    independent = LinearNormalSystem(units=4, shared_std=1e-9, individual_std=total)
+    assert abs(row.pf - SYSTEM.pf(criterion)) < 4.0 * row.std_error
+    assert abs(row.pf - independent.pf(criterion)) > 8.0 * row.std_error
+
+
+def test_it_errs_less_than_crude_monte_carlo_at_the_same_cost() -> None:
+    problem, asked = SYSTEM.problem(), criteria(12.0, missions=[1, 2])
+    conditional = ConditionalMonteCarlo(missions_per_draw=5)
+    for i in range(2):
+        ours, crude = (
+            method.estimate(problem, asked, max_evals=32_000, rng=2)[i]
+            for method in (conditional, MonteCarlo())
+        )
+        assert ours.n_evals <= crude.n_evals
+        assert ours.std_error < 0.8 * crude.std_error
+
+
+def test_example_1_agrees_with_its_exact_reference() -> None:
+    problem = series()
+    asked = criteria([0.0, 2.0], tau=[None, 16.0], missions=[1, 2])
+    result = ConditionalMonteCarlo(blocks=100).estimate(problem, asked, rng=3)
+    assert problem.references is not None
+    for row, criterion in zip(result, asked, strict=True):
+        known = problem.references.lookup(criterion)
+        assert known is not None
+        assert abs(row.pf - known.pf) < 4.0 * row.std_error
+        assert row.status == "converged"
+
+
+def test_cost_and_details_follow_from_the_settings() -> None:
+    asked = criteria(12.0, missions=[1, 6])
+    result = ConditionalMonteCarlo(blocks=3).estimate(SYSTEM.problem(), asked, rng=1)
+    assert result.details.blocks == 3
+    assert result.details.missions_per_draw == 6
+    assert result.n_evals == 3 * BLOCK_DRAWS * 6 * 4
+    assert (
+        ConditionalMonteCarlo().estimate(SYSTEM.problem(), asked[0], max_evals=600).n_evals == 512
+    )
+
+
+def test_a_budget_below_what_was_asked_for_is_said() -> None:
+    row = ConditionalMonteCarlo(blocks=50).estimate(
+        SYSTEM.problem(), criteria(11.0), max_evals=3_000, rng=1
+    )[0]
+    assert (row.status, row.message) == ("budget_exhausted", "11 of 50 blocks")
+
+
+def test_too_small_a_budget_is_refused_before_any_run() -> None:
+    result = ConditionalMonteCarlo().estimate(
+        SYSTEM.problem(), criteria(11.0), max_evals=511, rng=1
+    )
+    assert result[0].status == "failed"
+    assert "cost 512 runs, max_evals = 511" in result[0].message
+    assert result.n_evals == 0
+
+
+def test_few_and_no_failures_are_doubtful() -> None:
+    few, none = ConditionalMonteCarlo(blocks=20).estimate(
+        SYSTEM.problem(), criteria([14.0, 30.0]), rng=5
+    )
+    assert few.status == "doubtful"
+    assert f"of {20 * BLOCK_DRAWS} shared draws" in few.message
+    assert (none.pf, none.ci_low, none.status) == (0.0, 0.0, "doubtful")
+    # the bound for as many systems as there are shared draws
+    assert none.ci_high == pytest.approx(1.0 - 0.05 ** (1.0 / (20 * BLOCK_DRAWS)))
+    assert math.isnan(none.std_error)
+
+
+def test_problem_without_shared_inputs() -> None:
+    def first(x: np.ndarray) -> np.ndarray:
+        return x[:, 0]
+
+    problem = Problem(first, individual={"a": normal(0.0, 1.0)}, units=2)
+    row = ConditionalMonteCarlo(blocks=60).estimate(problem, criteria(1.5, missions=2), rng=1)[0]
+    exact = 1.0 - 0.9331927987311419**4
+    assert abs(row.pf - exact) < 4.0 * row.std_error
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"blocks": 1}, "blocks = 1: a standard error takes at least 2"),
+        ({"blocks": 2.5}, "blocks = 2.5"),
+        ({"missions_per_draw": 0}, "missions_per_draw = 0: give at least 1"),
+    ],
+)
+def test_bad_settings_are_refused(settings: dict[str, int], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ConditionalMonteCarlo(**settings)
