@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -14,13 +14,10 @@ from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
+from uqfold.methods.system_sample import BLOCK_SYSTEMS, SystemBlock, draw_systems
 from uqfold.methods.theory import MONTE_CARLO, Theory
-from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.system.event import mission_fails
-from uqfold.typing import BoolArray, FloatArray, IntArray
+from uqfold.typing import FloatArray, IntArray
 
-BLOCK_SYSTEMS = 4096
-"""Systems drawn from one random stream; part of the meaning of a seed."""
 WITHOUT_A_BUDGET = 100_000
 """Systems to simulate when neither a number nor a budget is given."""
 FEW = 10
@@ -114,17 +111,18 @@ class MonteCarlo(ReliabilityMethod):
             return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
         task.expect(planned * per_system)
         counts = _Counts(len(task.criteria))
-        drawn: deque[_Block] = deque()
+        drawn: deque[SystemBlock] = deque()
 
         def rows() -> Iterator[FloatArray]:
             for block, start in enumerate(range(0, planned, BLOCK_SYSTEMS)):
-                drawn.append(_draw(task, missions, block, min(BLOCK_SYSTEMS, planned - start)))
+                size = min(BLOCK_SYSTEMS, planned - start)
+                drawn.append(draw_systems(task.problem, task.criteria, task.generator(block), size))
                 yield drawn[-1].x
 
         missing, stopped = wanted - planned, ""
         try:
             for y in task.session.stream(rows()):
-                counts.add(*drawn.popleft().failures(task.criteria, y))
+                counts.add(*drawn.popleft().counts(y))
                 if task.session.watched:
                     task.session.report(_running(task, counts))
                 if self.target_cov is not None and counts.worst_cov() <= self.target_cov:
@@ -210,57 +208,6 @@ class _Counts:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """One block of systems: the rows to run, and what is needed to judge their responses.
-
-    Attributes
-    ----------
-    x
-        Inputs (n_rows, d) of the units that some criterion looks at.
-    rows
-        Which (size, missions, units) these are.
-    active
-        Which missions (size, missions) each criterion looks at.
-    """
-
-    x: FloatArray
-    rows: BoolArray
-    active: list[BoolArray]
-
-    def failures(
-        self, criteria: Sequence[Criterion], responses: FloatArray
-    ) -> tuple[int, IntArray, IntArray]:
-        """Systems, and failures of each criterion: open ones as failed, and as safe."""
-        y = np.zeros(self.rows.shape)
-        y[self.rows] = responses
-        high = np.empty(len(criteria), dtype=np.int64)
-        low = np.empty_like(high)
-        for i, (criterion, mask) in enumerate(zip(criteria, self.active, strict=True)):
-            for counted, missing_fails in ((high, True), (low, False)):
-                fails = mission_fails(
-                    y, criterion.threshold, criterion.tau, missing_fails=missing_fails
-                )
-                counted[i] = int(np.any(fails & mask, axis=1).sum())
-        return len(y), high, low
-
-
-def _draw(task: Task, missions: int, block: int, size: int) -> _Block:
-    """Draw one block of systems from its own stream."""
-    inputs, rng = task.problem.inputs, task.generator(block)
-    shape = (size, missions, task.problem.n_units)
-    u = np.empty((*shape, inputs.dimension))
-    u[..., : inputs.n_shared] = rng.standard_normal((size, 1, 1, inputs.n_shared))
-    u[..., inputs.n_shared :] = rng.standard_normal((*shape, inputs.n_individual))
-    flown = rng.random((size, missions))
-    x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
-    active = [_active_missions(criterion, flown) for criterion in task.criteria]
-    # missions that no criterion looks at are drawn, to keep the stream in step, but not run
-    needed = np.logical_or.reduce(active)
-    rows = np.repeat(needed[:, :, None], task.problem.n_units, axis=2)
-    return _Block(x[rows.ravel()], rows, active)
-
-
 def _running(task: Task, counts: _Counts) -> RunningEstimate:
     """Give the state of the criterion that is least certain so far."""
     i = max(range(counts.n_criteria), key=counts.cov)
@@ -271,13 +218,3 @@ def _running(task: Task, counts: _Counts) -> RunningEstimate:
         ci_low=clopper_pearson(int(counts.low[i]), n, LEVEL)[0],
         ci_high=clopper_pearson(int(counts.high[i]), n, LEVEL)[1],
     )
-
-
-def _active_missions(criterion: Criterion, flown: FloatArray) -> BoolArray:
-    """Which missions (size, missions) this criterion looks at."""
-    index = np.arange(flown.shape[1])
-    if isinstance(criterion.missions, Binomial):
-        planned, p = criterion.missions.planned, criterion.missions.p
-        count = (flown[:, :planned] < p).sum(axis=1)
-        return np.asarray(index[None, :] < count[:, None])
-    return np.broadcast_to(index < criterion.missions, flown.shape)
