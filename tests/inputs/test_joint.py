@@ -265,3 +265,11 @@ def test_normal_inputs_transform_exactly_far_out() -> None:
     inputs = product_inputs({"v": normal(5, 2)}, None)
     u = inputs.to_standard_normal(np.array([[5 + 2 * 30.0]]))
     assert u[0, 0] == pytest.approx(30.0, rel=1e-14)
+
+
+def test_values_beyond_a_bound_have_infinite_normal_variables() -> None:
+    inputs = product_inputs({"v": ot.Uniform(1, 2)}, {"a": normal(0, 1)})
+    u = inputs.to_standard_normal(np.array([[0.9, 0.0], [2.1, 0.0], [1.5, 3.0]]))
+    np.testing.assert_allclose(u, [[-np.inf, 0.0], [np.inf, 0.0], [0.0, 3.0]], atol=1e-12)
+    low, high = inputs.bounds
+    assert (low.tolist(), high.tolist()) == ([1.0, -np.inf], [2.0, np.inf])

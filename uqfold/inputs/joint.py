@@ -123,6 +123,19 @@ class JointInputs:
         """Standard deviations (d,) of the inputs, in their own units."""
         return np.array([moments(marginal)[1] for marginal in self.marginals])
 
+    @cached_property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper bounds of the inputs, each (d,); infinite where there is none."""
+        ranges = [marginal.getRange() for marginal in self.marginals]
+        return (
+            np.array(
+                [r.getLowerBound()[0] if r.getFiniteLowerBound()[0] else -np.inf for r in ranges]
+            ),
+            np.array(
+                [r.getUpperBound()[0] if r.getFiniteUpperBound()[0] else np.inf for r in ranges]
+            ),
+        )
+
     def from_standard_normal(self, u: FloatArray) -> FloatArray:
         """Map standard-normal rows to inputs (inverse Rosenblatt transformation).
 
@@ -155,14 +168,18 @@ class JointInputs:
         -------
         FloatArray
             Standard-normal variables (n, d), shared inputs first; infinite where a value lies
-            on or beyond a bound of its distribution.
+            beyond a bound of its distribution.
 
         Raises
         ------
         ValueError
             If `x` has another number of columns.
         """
-        return self._mapped("x", x, self._to_normal)
+        u = self._mapped("x", x, self._to_normal)
+        low, high = self.bounds
+        u[x < low] = -np.inf
+        u[x > high] = np.inf
+        return u
 
     def _mapped(self, name: str, rows: FloatArray, function: Any) -> FloatArray:
         rows = np.asarray(rows, dtype=np.float64)

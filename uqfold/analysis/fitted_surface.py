@@ -1,0 +1,120 @@
+"""One fitted response surface, asked about other distributions of the inputs.
+
+A surface over the standard-normal space of the inputs it was fitted with is as good for other
+distributions of the same inputs: their standard-normal variables are mapped to input values, and
+these back to the variables of the surface. No model run is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from uqfold.evaluation import Evaluator
+from uqfold.inputs import JointInputs
+from uqfold.methods.kriging import Kriging, KrigingDetails
+from uqfold.methods.polynomial_chaos import PolynomialChaos, PolynomialChaosDetails
+from uqfold.methods.response_surface import ResponseSurface
+from uqfold.methods.result import NO_ANSWER, ReliabilityResult
+from uqfold.methods.seeding import RandomSource
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.system.surface_rule import Surface
+from uqfold.typing import FloatArray
+
+SurfaceMethod: TypeAlias = Kriging | PolynomialChaos
+"""Methods whose details hold the surface."""
+
+
+class NoSurfaceError(RuntimeError):
+    """A method gave no surface, or one with holes."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedSurface:
+    """A surface, and what a method says with it.
+
+    Attributes
+    ----------
+    surface
+        Over the standard-normal space of `inputs`.
+    inputs
+        The inputs it was fitted with.
+    noise
+        Standard deviation of what the model does beside the surface, in the response's unit.
+    result
+        The answers of the method.
+    """
+
+    surface: ResponseSurface
+    inputs: JointInputs
+    noise: float
+    result: ReliabilityResult
+
+    @property
+    def overconfidence(self) -> float:
+        """By what factor left-out runs are missed by more than the surface says, at least 1."""
+        return max(1.0, self.surface.leave_one_out().ratio)
+
+    def seen_from(self, surface: Surface, inputs: JointInputs) -> Surface:
+        """Give a function over the space of `self.inputs` as one over the space of other inputs.
+
+        Raises
+        ------
+        ValueError
+            When called where the other inputs reach beyond the bounds of `self.inputs`.
+        """
+        if inputs is self.inputs:
+            return surface
+
+        def seen(u: FloatArray) -> FloatArray:
+            own = self.inputs.to_standard_normal(inputs.from_standard_normal(u))
+            if not np.isfinite(own).all():
+                column = int(np.argmin(np.isfinite(own).all(axis=0)))
+                raise ValueError(
+                    f"{inputs.names[column]} reaches beyond the bounds of the distribution that "
+                    "the surface was fitted with: use a distribution whose bounds do not move"
+                )
+            return surface(own)
+
+        return seen
+
+
+def fit_surface(
+    problem: Problem,
+    criteria: Sequence[Criterion],
+    method: SurfaceMethod,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> FittedSurface:
+    """Run a method and take its surface.
+
+    Parameters as in `ReliabilityMethod.estimate`.
+
+    Raises
+    ------
+    TypeError
+        If the method has no surface.
+    NoSurfaceError
+        If it found no answer, or some responses are infinite or failed, where no surface is.
+    """
+    if not isinstance(method, Kriging | PolynomialChaos):
+        raise TypeError(f"{method!r} has no response surface: give Kriging or PolynomialChaos")
+    result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
+    details = result.details
+    if not isinstance(details, KrigingDetails | PolynomialChaosDetails):
+        why = next((row.message for row in result if row.status in NO_ANSWER), "no surface")
+        raise NoSurfaceError(f"{method.name} gave no surface: {why}")
+    finite = details.cross_validation.residuals.size
+    if finite < result.n_evals:
+        raise NoSurfaceError(
+            f"{result.n_evals - finite} of {result.n_evals} runs gave no finite response: a "
+            "surface says nothing about where they are"
+        )
+    noise = details.surface.noise_std if isinstance(details, KrigingDetails) else 0.0
+    return FittedSurface(details.surface, problem.inputs, noise, result)
