@@ -27,10 +27,9 @@ def full_record(**changes: object) -> CaseRecord:
         "times",
         "Times by both codes",
         [
-            {"wing": "table 6", "uqfold": 0.53558, "other": math.inf},
-            {"wing": "table 10, <b>material</b>", "uqfold": math.nan, "other": None},
+            {"wing": "table 6", "uqfold (s)": 0.53558, "other (s)": math.inf},
+            {"wing": "table 10, <b>material</b>", "uqfold (s)": math.nan, "other (s)": None},
         ],
-        {"uqfold": "s", "other": "s"},
     )
     figure = Figure(
         "tail",

@@ -6,23 +6,25 @@ from uqfold.evidence import Axis, Column, Figure, Measurement, Series, Table
 
 
 def test_table_of_rows() -> None:
-    rows = [{"set": "a", "time": 1, "ok": True}, {"set": "b", "time": math.inf, "ok": False}]
-    table = Table.of("times", "Times", rows, {"time": "s"})
+    rows = [
+        {"set": "a", "time (s)": 1, "ok": True},
+        {"set": "b", "time (s)": math.inf, "ok": False},
+    ]
+    table = Table.of("times", "Times", rows)
     assert table.columns == (Column("set"), Column("time", "s"), Column("ok"))
     assert table.rows == (("a", 1.0, "yes"), ("b", math.inf, "no"))
 
 
 @pytest.mark.parametrize(
-    ("rows", "units", "message"),
+    ("rows", "message"),
     [
-        ([], {}, "table 't' has no rows"),
-        ([{"a": 1}, {"b": 1}], {}, r"row 1 has the keys \['b'\], not \['a'\]"),
-        ([{"a": 1}], {"c": "s"}, r"units for no column: \['c'\]"),
+        ([], "table 't' has no rows"),
+        ([{"a": 1}, {"b": 1}], r"row 1 has the keys \['b'\], not \['a'\]"),
     ],
 )
-def test_tables_that_do_not_fit(rows: list, units: dict, message: str) -> None:
+def test_tables_that_do_not_fit(rows: list, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        Table.of("t", "T", rows, units)
+        Table.of("t", "T", rows)
 
 
 def test_ragged_tables_are_refused() -> None:

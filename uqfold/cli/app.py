@@ -5,23 +5,21 @@ from __future__ import annotations
 import io
 import shlex
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
 import uqfold
 from uqfold.cli.interrupts import Interrupts
+from uqfold.cli.invocation import Invocation, usage
 from uqfold.cli.study import study_app
+from uqfold.cli.validate import VALIDATE_HELP, validate_cases
 from uqfold.comparison.cases import available_cases, named_case
-from uqfold.evaluation.errors import EngineError
 
 if TYPE_CHECKING:
     from uqfold.evaluation.evaluator import FailedRunPolicy
-
-Value = TypeVar("Value")
 
 BATCH_ROWS = 1024
 """Runs in this process between two looks at Ctrl-C; has no influence on any number."""
@@ -34,6 +32,7 @@ _APP_HELP = """How reliable is this system, and which method tells us most cheap
 Examples:
   uqfold compare folding-wing
   uqfold compare --help
+  uqfold validate --quick
   uqfold methods
   uqfold study list
 """
@@ -64,14 +63,6 @@ The built-in ones, and those that other installed packages add.
 Example:
   uqfold methods
 """
-
-
-@dataclass(frozen=True)
-class Invocation:
-    """What a command knows of the process: the words typed, and Ctrl-C."""
-
-    words: Sequence[str]
-    interrupts: Interrupts
 
 
 app = typer.Typer(
@@ -186,7 +177,7 @@ def compare_methods(
     ] = "bar",
 ) -> None:
     """Compare methods on a case."""
-    chosen = _usage(named_case, case)
+    chosen = usage(named_case, case)
     problem = chosen.problem()
 
     from uqfold.cli.compare import ComparisonSession
@@ -213,8 +204,8 @@ def compare_methods(
             ),
         )
 
-    kind = _usage(chosen_word, progress, "progress", ("bar", "json"))
-    planned = _usage(plan)
+    kind = usage(chosen_word, progress, "progress", ("bar", "json"))
+    planned = usage(plan)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -246,11 +237,4 @@ def list_methods() -> None:
 
 
 app.add_typer(study_app)
-
-
-def _usage(check: Callable[..., Value], *arguments: object) -> Value:
-    """Turn what a check has against the user's words into a usage error."""
-    try:
-        return check(*arguments)
-    except (ValueError, EngineError) as error:
-        raise typer.BadParameter(str(error)) from error
+app.command(name="validate", help=VALIDATE_HELP)(validate_cases)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from uqfold.cli.app import Invocation
+    from uqfold.cli.invocation import Invocation
 
 QUICK_FOLDER = Path("uqfold-results", "studies-quick")
 DEFAULT_ROOT = Path("studies")

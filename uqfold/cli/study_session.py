@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from uqfold.cli.app import Invocation
 from uqfold.cli.compare import (
     COMPILING,
     EXIT_FAILED,
@@ -17,6 +16,7 @@ from uqfold.cli.compare import (
     shown_path,
     stdout_console,
 )
+from uqfold.cli.invocation import Invocation
 from uqfold.cli.study import DEFAULT_ROOT, QUICK_FOLDER
 from uqfold.comparison.header import shown_command
 from uqfold.comparison.studies.check import compare_tables

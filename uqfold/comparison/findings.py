@@ -51,18 +51,25 @@ class Finding:
     @property
     def verdict(self) -> Verdict | None:
         """Verdict of this number alone; None where it is only quoted."""
+        margin = self.margin
         if self.value is None:
             return "cannot be judged"
-        if self.limit is None:
+        if margin is None:
             return None
-        if math.isnan(self.value):
+        if math.isnan(margin):
             return "does not hold"
-        margin = self.value - self.limit if self.at_least else self.limit - self.value
-        # equal infinities have no difference: the limit is just kept
-        margin = 0.0 if math.isnan(margin) else margin
         if self.uncertainty is not None and not abs(margin) > self.uncertainty:
             return "cannot be judged"
         return "holds" if margin >= 0.0 else "does not hold"
+
+    @property
+    def margin(self) -> float | None:
+        """How far the value stays within its limit, negative beyond it; None without a limit."""
+        if self.value is None or self.limit is None:
+            return None
+        if self.value == self.limit:
+            return 0.0
+        return self.value - self.limit if self.at_least else self.limit - self.value
 
     @property
     def words(self) -> str:

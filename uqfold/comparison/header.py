@@ -6,7 +6,7 @@ import datetime
 import os
 import platform
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -149,10 +149,13 @@ def machine_text() -> str:
     return f"{platform.system()}, {processor}, {os.cpu_count() or 1} processors"
 
 
-def installed_versions() -> dict[str, str]:
-    """Give the versions of uqfold, Python and `RECORDED_PACKAGES`, without importing them."""
+def installed_versions(further: Iterable[str] = ()) -> dict[str, str]:
+    """Give the versions of uqfold, Python, `RECORDED_PACKAGES` and further packages.
+
+    None of them is imported.
+    """
     versions = {"uqfold": uqfold.__version__, "python": platform.python_version()}
-    for package in RECORDED_PACKAGES:
+    for package in (*RECORDED_PACKAGES, *further):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:

@@ -58,7 +58,6 @@ class Table:
         name: str,
         title: str,
         rows: Iterable[Mapping[str, Any]],
-        units: Mapping[str, str] | None = None,
     ) -> Table:
         """Make a table of rows with the same keys, which become the columns.
 
@@ -67,29 +66,25 @@ class Table:
         name, title
             As in the class.
         rows
-            At least one mapping of column name to number, text or None.
-        units
-            Units by column name.
+            At least one mapping of column name to number, truth value, text or None; a name such
+            as ``time (s)`` gives the unit as well.
 
         Raises
         ------
         ValueError
-            If there are no rows, or their keys differ, or a unit belongs to no column.
+            If there are no rows, or their keys differ.
         """
-        listed, units = list(rows), units or {}
+        listed = list(rows)
         if not listed:
             raise ValueError(f"table {name!r} has no rows")
         names = list(listed[0])
         for i, row in enumerate(listed):
             if list(row) != names:
                 raise ValueError(f"table {name!r}: row {i} has the keys {list(row)}, not {names}")
-        unknown = set(units) - set(names)
-        if unknown:
-            raise ValueError(f"table {name!r} has units for no column: {sorted(unknown)}")
         return cls(
             name,
             title,
-            tuple(Column(column, units.get(column, "")) for column in names),
+            tuple(map(_column, names)),
             tuple(tuple(_cell(value) for value in row.values()) for row in listed),
         )
 
@@ -205,3 +200,8 @@ def _cell(value: Any) -> Cell:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return float(value)
+
+
+def _column(key: str) -> Column:
+    name, bracket, unit = key.removesuffix(")").rpartition(" (")
+    return Column(name, unit) if bracket and key.endswith(")") else Column(key)

@@ -40,11 +40,13 @@ class ComparisonProgressBar:
         The methods, in the order in which they run.
     console
         Where to draw; nothing is drawn unless it is a terminal.
+    unit
+        What is counted.
     """
 
-    def __init__(self, labels: Sequence[str], console: Console) -> None:
+    def __init__(self, labels: Sequence[str], console: Console, unit: str = "evaluations") -> None:
         self._labels = list(labels)
-        self._bar = _LateProgress(console)
+        self._bar = _LateProgress(console, unit)
         self._enabled = console.is_terminal
         self._task: TaskID | None = None
 
@@ -98,13 +100,13 @@ def notice_if_slow(message: str, console: Console) -> Iterator[None]:
 class _LateProgress(Progress):
     """Draws nothing in the first two seconds after `restart`."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, unit: str) -> None:
         self._since = time.monotonic()
         columns = [
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=30 if console.width >= WIDE else 10),
-            _RunsColumn(),
+            _CountColumn(unit),
             TimeRemainingColumn(compact=True),
         ]
         if console.width >= WIDE:
@@ -119,11 +121,15 @@ class _LateProgress(Progress):
             yield from super().get_renderables()
 
 
-class _RunsColumn(ProgressColumn):
-    """Runs so far, runs expected, and their rate."""
+class _CountColumn(ProgressColumn):
+    """How many so far, how many are expected, and their rate."""
+
+    def __init__(self, unit: str) -> None:
+        super().__init__()
+        self._unit = unit
 
     def render(self, task: Task) -> Text:
         done = f"{int(task.completed):,}"
         of = "" if task.total is None else f" of {int(task.total):,}"
         rate = "" if task.speed is None else f", {task.speed:,.0f}/s"
-        return Text(f"{done}{of} evaluations{rate}")
+        return Text(f"{done}{of} {self._unit}{rate}")

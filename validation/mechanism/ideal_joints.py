@@ -10,10 +10,10 @@ import cmath
 import math
 
 import numpy as np
-from independent import DRIVE_CORNERS, Wing, ramp
 from scipy.integrate import solve_ivp
 
 from uqfold.mechanism import WingParameters
+from validation.mechanism.independent import DRIVE_CORNERS, Wing, ramp
 
 
 def deployment_time(p: WingParameters) -> float:

@@ -1,57 +1,44 @@
-"""The table of results in docs/mechanism.md, made from the JSON files of the cases.
+"""The table of results in docs/mechanism.md, made from the records of the mechanism's cases.
 
-python validation/mechanism/results_table.py            writes the table into the page
-python validation/mechanism/results_table.py --check    exit code 1 if the page has another one
+python -m validation.mechanism.results_table            writes the table into the page
+python -m validation.mechanism.results_table --check    exit code 1 if the page has another one
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from claims import HERE
+from uqfold.evidence import CaseRecord, read_case_record
 
-from uqfold.comparison.findings import Finding
-
-PAGE = HERE.parents[1] / "docs" / "mechanism.md"
-BEGIN = "<!-- made by: python validation/mechanism/results_table.py -->"
+CASES = Path(__file__).resolve().parents[1]
+PAGE = CASES.parent / "docs" / "mechanism.md"
+BEGIN = "<!-- made by: python -m validation.mechanism.results_table -->"
 END = "<!-- end of the table -->"
-
-CASES = (
-    "against_scipy",
-    "against_exudyn",
-    "baumgarte_form",
-    "ideal_partner",
-    "accuracy",
-    "convergence_order",
-    "energy_audit",
-    "limits",
-    "slider_crank",
-)
+TOPIC = "mechanism"
 
 
-def results(folder: Path = HERE) -> list[dict[str, Any]]:
-    """Results of all cases, in order."""
-    return [json.loads((folder / f"{name}.json").read_text(encoding="utf-8")) for name in CASES]
+def results() -> list[CaseRecord]:
+    """Records of the topic, of the full tier where one is kept, in order of their names."""
+    kept = {path.parent.name: path for path in sorted(CASES.glob("*/quick.json"))}
+    kept |= {path.parent.name: path for path in sorted(CASES.glob("*/full.json"))}
+    records = [read_case_record(kept[name]) for name in sorted(kept)]
+    return [record for record in records if record.topic == TOPIC]
 
 
-def table(cases: Sequence[dict[str, Any]]) -> str:
+def table(records: Sequence[CaseRecord]) -> str:
     """Give the cases as a Markdown table."""
     lines = ["| claim | compared with | tolerance, and why | measured | verdict |"]
     lines.append("| --- | --- | --- | --- | --- |")
-    for case in cases:
-        value = [_finding(finding).words for finding in case["findings"]]
-        name = f"**{case['name']}**"
+    for record in records:
         cells = [
-            f"{name}: {case['statement']}",
-            case["compared_with"],
-            case["tolerance"],
-            "<br>".join(value),
-            case["verdict"],
+            f"**{record.name}**: {record.claim}",
+            record.compared_with,
+            record.tolerance,
+            "<br>".join(finding.words for finding in record.findings),
+            f"{record.verdict} ({record.tier} tier, {record.date[:10]})",
         ]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines)
@@ -74,20 +61,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing, compare")
     check = parser.parse_args(arguments).check
     old = PAGE.read_text(encoding="utf-8")
-    new = page_with(old, table(results()))
+    records = results()
+    new = page_with(old, table(records))
     if check:
-        print(f"{PAGE}: {'as made' if old == new else 'another table than the results give'}")
+        print(f"{PAGE.name}: {'as made' if old == new else 'another table than the records give'}")
         return int(old != new)
     PAGE.write_text(new, encoding="utf-8")
-    print(f"{PAGE}: {len(CASES)} cases")
+    print(f"{PAGE.name}: {len(records)} cases")
     return 0
-
-
-def _finding(written: dict[str, Any]) -> Finding:
-    """Read a finding; NaN and infinity come as text."""
-    value = written["value"]
-    fields = {name: written[name] for name in ("what", "limit", "unit", "at_least", "remark")}
-    return Finding(value=None if value is None else float(value), **fields)
 
 
 if __name__ == "__main__":

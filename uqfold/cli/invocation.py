@@ -1,0 +1,30 @@
+"""What every command knows of the process that it runs in, and how it refuses bad words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import typer
+
+from uqfold.cli.interrupts import Interrupts
+from uqfold.evaluation.errors import EngineError
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class Invocation:
+    """What a command knows of the process: the words typed, and Ctrl-C."""
+
+    words: Sequence[str]
+    interrupts: Interrupts
+
+
+def usage(check: Callable[..., Value], *arguments: object) -> Value:
+    """Turn what a check has against the user's words into a usage error."""
+    try:
+        return check(*arguments)
+    except (ValueError, EngineError) as error:
+        raise typer.BadParameter(str(error)) from error

@@ -1,0 +1,111 @@
+"""The command ``uqfold validate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uqfold.cli.invocation import Invocation, usage
+
+if TYPE_CHECKING:
+    from uqfold.evidence.record import Tier
+
+VALIDATE_HELP = """Measure the validation cases, and say what holds.
+
+Each case states one claim, what it is compared with, and a tolerance with its reason. The exit code
+is 1 if a claim does not hold, a case could not be measured, or a planted fault went unnoticed.
+
+\b
+Tiers:
+  --quick     small sizes, under two minutes in all
+  (default)   under ten minutes; also plants every case's faults
+  --full      full sizes, an hour or more; goes on where it was interrupted
+
+\b
+Examples:
+  uqfold validate --quick
+  uqfold validate against_scipy mechanism_limits
+  uqfold validate --list
+  uqfold validate --check
+"""
+
+
+def validate_cases(
+    context: typer.Context,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="CASE", help="Cases to measure. Default: all."),
+    ] = None,
+    *,
+    quick: Annotated[bool, typer.Option("--quick", help="Small sizes.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="Full sizes; resumes.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Where to write. Default: uqfold-results/validation[-TIER]."
+        ),
+    ] = None,
+    faults: Annotated[
+        bool | None,
+        typer.Option(
+            "--faults/--no-faults",
+            help="Plant the cases' faults, each of which has to be noticed. Default: yes, except "
+            "with --quick.",
+        ),
+    ] = None,
+    gate: Annotated[
+        bool,
+        typer.Option(
+            "--gate",
+            help="Compare with the records kept beside the cases; the exit code is 1 if a verdict "
+            "has changed.",
+        ),
+    ] = False,
+    update: Annotated[
+        bool,
+        typer.Option("--update", help="Replace the records kept beside the cases."),
+    ] = False,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check", help="Measure nothing: do cases, kept records, code and report agree?"
+        ),
+    ] = False,
+    show: Annotated[bool, typer.Option("--list", help="Measure nothing: list the cases.")] = False,
+    cases: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder of the cases. Default: validation."),
+    ] = None,
+) -> None:
+    """Measure validation cases."""
+    from uqfold.cli import validation_session as session
+    from uqfold.evidence.case import find_cases
+
+    if quick and full:
+        raise typer.BadParameter("--quick and --full: give one of them")
+    if (gate or update) and not (quick or full):
+        raise typer.BadParameter(
+            "--gate and --update are for the tiers whose records are kept: add --quick or --full"
+        )
+    found = usage(find_cases, cases or session.default_cases(), names or ())
+    if show:
+        session.print_cases(found)
+        return
+    if check:
+        raise typer.Exit(session.check_cases(found))
+    tier: Tier = "quick" if quick else "full" if full else "default"
+    name = "validation" if tier == "default" else f"validation-{tier}"
+    invocation: Invocation = context.obj
+    measuring = session.ValidationSession(
+        found,
+        tier,
+        Path("uqfold-results", name) if out is None else out,
+        invocation.interrupts,
+        faults=not quick if faults is None else faults,
+        gate=gate,
+        update=update,
+        resume=session.resume_command(invocation.words),
+    )
+    raise typer.Exit(measuring.run())

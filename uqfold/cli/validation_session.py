@@ -1,0 +1,160 @@
+"""Running validation cases for the command line: measure, keep, compare, say what came out."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+
+import uqfold
+from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, shown_path, stdout_console
+from uqfold.cli.interrupts import Interrupts
+from uqfold.evidence.case import Case
+from uqfold.evidence.check import KEPT_TIERS, discrepancies
+from uqfold.evidence.gate import differences
+from uqfold.evidence.record import CaseRecord, Tier
+from uqfold.evidence.record_file import write_case_record
+from uqfold.evidence.runner import Validation, existing_record
+from uqfold.report.layout import Cell, Grid
+from uqfold.report.progress import ComparisonProgressBar
+from uqfold.report.verdicts import VerdictTable
+
+
+@dataclass
+class ValidationSession:
+    """Cases measured from the command line.
+
+    Attributes
+    ----------
+    cases
+        What to measure.
+    tier
+        How thoroughly.
+    folder
+        Where records go.
+    interrupts
+        Tells whether Ctrl-C was pressed.
+    faults
+        Whether to plant the cases' faults.
+    gate
+        Whether to compare with the records beside the cases.
+    update
+        Whether to replace those records.
+    resume
+        The words that go on with this run, for whoever interrupted it.
+    """
+
+    cases: Sequence[Case]
+    tier: Tier
+    folder: Path
+    interrupts: Interrupts
+    faults: bool = False
+    gate: bool = False
+    update: bool = False
+    resume: str = ""
+    records: list[CaseRecord] = field(default_factory=list, init=False)
+
+    def run(self) -> int:
+        """Measure all cases and report; give the exit code of the program."""
+        code = 0
+        self.folder.mkdir(parents=True, exist_ok=True)
+        try:
+            self._measure()
+        except KeyboardInterrupt:
+            done = f"{len(self.records)} of {len(self.cases)} cases are finished and kept"
+            _say(f"interrupted: {done}; to go on: {self.resume}")
+            code = EXIT_INTERRUPTED
+        if self.records:
+            out = stdout_console(quiet=False)
+            out.print(VerdictTable(self.records))
+            out.print(f"\nrecords: {shown_path(self.folder)}", highlight=False)
+        if code == 0 and self.gate:
+            return EXIT_FAILED if self._compare() else 0
+        if code == 0 and any(
+            one.verdict == "does not hold" or one.error or one.missed_faults for one in self.records
+        ):
+            code = EXIT_FAILED
+        return code
+
+    def _measure(self) -> None:
+        names = [case.name for case in self.cases]
+        with ComparisonProgressBar(names, Console(stderr=True), unit="parts") as bar:
+
+            def progress(name: str, done: int, total: int | None) -> None:
+                self.interrupts.check()
+                bar(name, done, total)
+
+            validation = Validation(self.tier, self.folder, self.faults, progress)
+            for case in self.cases:
+                record = validation.run(case)
+                # what was interrupted may look finished where a library swallowed it
+                self.interrupts.check()
+                self.records.append(record)
+                if self.update and self.tier in KEPT_TIERS:
+                    write_case_record(record, case.folder, self.tier)
+
+    def _compare(self) -> bool:
+        """Say what differs from the records beside the cases; whether anything does."""
+        changed = False
+        for case, record in zip(self.cases, self.records, strict=True):
+            kept = existing_record(case.folder / f"{self.tier}.json")
+            lines = (
+                [f"no record of the {self.tier} tier is kept beside the case"]
+                if kept is None
+                else differences(kept, record)
+            )
+            for line in lines:
+                _say(f"changed: {case.name}: {line}")
+            changed |= bool(lines)
+        if not changed:
+            _say(f"no verdict has changed in {len(self.records)} cases")
+        return changed
+
+
+def default_cases() -> Path:
+    """Give the folder of the cases: here, or beside the installed package (a clone)."""
+    here = Path("validation")
+    return here if here.is_dir() else Path(uqfold.__file__).resolve().parents[1] / "validation"
+
+
+def print_cases(cases: Sequence[Case]) -> None:
+    """Print what each case claims."""
+    grid = Grid(
+        ("topic", "case", "kind", "faults", "title"),
+        [
+            [Cell(one.topic), Cell(one.name), Cell(one.kind), Cell(str(len(one.faults))),
+             Cell(one.title)]
+            for one in cases
+        ],
+        numeric=(3,),
+        gap=2,
+    )  # fmt: skip
+    out = stdout_console(quiet=False)
+    out.print(grid.head_line())
+    for text in grid.lines():
+        out.print(text)
+
+
+def check_cases(cases: Sequence[Case]) -> int:
+    """Say whether cases, kept records and code belong together; give the exit code."""
+    found = {case.name: discrepancies(case) for case in cases}
+    for name, lines in found.items():
+        for text in lines:
+            _say(f"{name}: {text}")
+    wrong = sum(bool(lines) for lines in found.values())
+    if not wrong:
+        _say(f"{len(found)} cases: records, code and claims belong together")
+    return EXIT_FAILED if wrong else 0
+
+
+def resume_command(words: Sequence[str]) -> str:
+    """Give the command that goes on."""
+    return shlex.join(["uqfold", *words])
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,118 @@
+"""Which source code a case depends on, and a digest of it by part.
+
+The files are found by following the import statements of the case's folder. A room of uqfold that
+is imported as a whole (``from uqfold.methods import available``) counts with all its modules, since
+its names are loaded lazily; its data files count as well. The frame that measures and keeps records
+does not count: it makes no numbers.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import uqfold
+from uqfold.evidence.case import DECLARATION
+
+PACKAGE = Path(uqfold.__file__).resolve().parent
+RECORDS = ("quick.json", "full.json")
+FRAME = (
+    "uqfold/evidence/", "uqfold/lazy.py", "uqfold/typing.py", "uqfold/comparison/findings.py",
+    "uqfold/__init__.py",
+)  # fmt: skip
+
+
+def code_digests(folder: Path) -> dict[str, str]:
+    """Give part of the source code -> digest for everything that a case depends on.
+
+    Parameters
+    ----------
+    folder
+        Folder of the case; other folders beside it may hold code that it imports.
+
+    Returns
+    -------
+    dict[str, str]
+        A part is a room of uqfold (``uqfold/methods``), or a folder of cases
+        (``validation/limits``).
+    """
+    root = folder.resolve().parent.parent
+    parts: dict[str, dict[str, bytes]] = {}
+    for path in sorted(_closure(folder.resolve(), root)):
+        name = _name(path, root)
+        parts.setdefault("/".join(name.split("/")[:2]), {})[name] = path.read_bytes()
+    return {part: _digest(files) for part, files in sorted(parts.items())}
+
+
+def changed_parts(before: Mapping[str, str], now: Mapping[str, str]) -> tuple[str, ...]:
+    """Name the parts whose digest differs, or that one of both lacks."""
+    return tuple(part for part in sorted({*before, *now}) if before.get(part) != now.get(part))
+
+
+def _digest(files: Mapping[str, bytes]) -> str:
+    whole = hashlib.sha256()
+    for name, content in sorted(files.items()):
+        whole.update(f"{name}\0{len(content)}\0".encode())
+        whole.update(content)
+    return whole.hexdigest()[:16]
+
+
+def _name(path: Path, root: Path) -> str:
+    base = PACKAGE.parent if path.is_relative_to(PACKAGE) else root
+    return path.relative_to(base).as_posix()
+
+
+def _closure(folder: Path, root: Path) -> set[Path]:
+    start = [
+        path
+        for path in folder.rglob("*")
+        if path.suffix in {".py", ".csv", ".json"} and path.name not in (*RECORDS, DECLARATION)
+    ]
+    found: set[Path] = set()
+    waiting = list(start)
+    while waiting:
+        path = waiting.pop()
+        if path in found or _name(path, root).startswith(FRAME):
+            continue
+        found.add(path)
+        if path.suffix == ".py":
+            waiting.extend(_imported(path, root))
+            if path.is_relative_to(PACKAGE):
+                waiting.extend(path.parent.rglob("*.json"))
+    return found
+
+
+@cache
+def _imported(path: Path, root: Path) -> tuple[Path, ...]:
+    """Files that one module imports from uqfold or from the cases' folders."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return tuple(file for name in _names(tree.body) for file in _files(name, root))
+
+
+def _names(body: list[ast.stmt]) -> Iterator[str]:
+    """Dotted names that statements import, except for type checking only."""
+    for node in body:
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        for inner in ast.walk(node):
+            if isinstance(inner, ast.Import):
+                yield from (alias.name for alias in inner.names)
+            elif isinstance(inner, ast.ImportFrom) and inner.module and not inner.level:
+                yield from (f"{inner.module}.{alias.name}" for alias in inner.names)
+
+
+def _files(name: str, root: Path) -> Iterator[Path]:
+    """Files behind a dotted name, whose last part may be something that a module defines."""
+    steps = name.split(".")
+    base = PACKAGE.parent if steps[0] == PACKAGE.name else root
+    for length in range(len(steps), max(len(steps) - 2, 0), -1):
+        place = base.joinpath(*steps[:length])
+        if place.with_suffix(".py").is_file():
+            yield place.with_suffix(".py")
+            return
+        if (place / "__init__.py").is_file():
+            yield from place.rglob("*.py")
+            return

@@ -1,0 +1,1 @@
+"""Validation: cases that check a claim against something outside, and what they need."""
