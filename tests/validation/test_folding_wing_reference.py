@@ -1,21 +1,26 @@
-"""The run that simulates the reference of the folding wing: streams, checkpoint, file."""
+"""The run that simulates the reference of the folding wing: draws, streams, store, file."""
 
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import ndtr
+from scipy.stats import norm
 
-from uqfold.inputs import normal, product_inputs
+from uqfold.evaluation import Evaluator, FailedRunError
+from uqfold.inputs import normal
+from uqfold.problems import Problem
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.problems.reference import parse_references
 
 Script = Callable[[str], ModuleType]
+DRAWS = 8
 
 
 @dataclass
@@ -33,9 +38,16 @@ class Model:
         return self.mean + 0.002 * x[:, 0] + 0.0015 * x[:, 1] + 0.0098 * x[:, 2]
 
 
-INPUTS = product_inputs(
-    {"V_q": normal(0, 1), "delta": normal(0, 1)}, {"k_d": normal(0, 1), "b": normal(0, 1)}
-)
+def problem(model: Callable[[np.ndarray], np.ndarray]) -> Problem:
+    return Problem(
+        model,
+        shared={"V_q": normal(0, 1), "delta": normal(0, 1)},
+        individual={"k_d": normal(0, 1), "b": normal(0, 1)},
+        units=4,
+        low_fidelity=Model(),
+        name="stand-in",
+        version="1",
+    )
 
 
 @pytest.fixture
@@ -46,36 +58,70 @@ def small(script: Script) -> Any:
     )
 
 
-def test_each_shared_input_is_stratified_and_repeated(script: Script, small: Any) -> None:
-    seen = []
+@pytest.fixture
+def run(script: Script, small: Any) -> Callable[..., Any]:
+    return partial(script("folding_wing").simulate, grid=small, draws=DRAWS)
 
-    def model(x: np.ndarray) -> np.ndarray:
-        seen.append(x.copy())
-        return x[:, 0]
 
-    times = script("folding_wing").block_times(model, INPUTS, small, np.random.default_rng(1), 64)
-    assert times.shape == (64, 10, 4)
-    x = seen[0].reshape(64, 40, 4)
-    assert np.ptp(x[:, :, :2], axis=1).max() == 0.0
-    assert np.unique(x[:, :, 2:]).size == 64 * 40 * 2
+def test_probabilities_of_strata_are_exact_in_both_tails(script: Script) -> None:
+    strata = script("stratified_draws").Strata((-7.0, -1.0, 2.0, 8.0))
+    expected = [norm.cdf(-7), norm.cdf(-1) - norm.cdf(-7), norm.cdf(2) - norm.cdf(-1)]
+    expected += [norm.sf(2) - norm.sf(8), norm.sf(8)]
+    np.testing.assert_allclose(strata.probabilities, expected, rtol=1e-12)
+
+
+def test_draws_of_strata_are_normal_within_them(script: Script) -> None:
+    edges = (-5.0, -1.0, 2.0, 6.0)
+    z = script("stratified_draws").Strata(edges).draw(np.random.default_rng(3), 4000)
+    assert z.shape == (4000, 5)
+    for column, low, high in zip(z.T, (-np.inf, *edges), (*edges, np.inf), strict=True):
+        assert ((low < column) & (column <= high)).all()
+        # distribution function within the stratum: uniform, in the nearer tail
+        sign = -1.0 if low >= 0.0 else 1.0
+        p = (ndtr(sign * column) - ndtr(sign * low)) / (ndtr(sign * high) - ndtr(sign * low))
+        assert abs(p.mean() - 0.5) < 5 * np.sqrt(1 / 12 / 4000)
+        assert abs(np.var(p) - 1 / 12) < 5 * np.sqrt(1 / 180 / 4000)
+
+
+def test_the_direction_is_the_gradient_of_the_individual_inputs(script: Script) -> None:
+    inputs = problem(Model()).inputs
+    found = script("stratified_draws").steepest_direction(
+        lambda x: 5.0 * x[:, 0] + 3.0 * x[:, 2] - 4.0 * x[:, 3], inputs
+    )
+    np.testing.assert_allclose(found, [0.6, -0.8], rtol=1e-9)
+    with pytest.raises(ValueError, match="no direction"):
+        script("stratified_draws").steepest_direction(lambda x: x[:, 0], inputs)
+
+
+def test_shared_inputs_are_repeated_and_strata_run_fastest(script: Script) -> None:
+    module = script("stratified_draws")
+    strata, direction = module.Strata((-1.0, 1.5)), np.array([0.6, -0.8])
+    x = module.block_inputs(
+        problem(Model()).inputs, direction, strata, np.random.default_rng(1), 64, 40
+    ).reshape(64, 40, 3, 4)
+    assert np.ptp(x[..., :2], axis=(1, 2)).max() == 0.0
+    # a scrambled Sobol sequence of 64 points has one in each of 64 strata, in every coordinate
     for column in range(2):
-        strata = np.floor(64 * ndtr(x[:, 0, column])).astype(int)
-        np.testing.assert_array_equal(np.sort(strata), np.arange(64))
+        cells = np.floor(64 * ndtr(x[:, 0, 0, column])).astype(int)
+        np.testing.assert_array_equal(np.sort(cells), np.arange(64))
+    along, across = x[..., 2:] @ direction, x[..., 2:] @ np.array([0.8, 0.6])
+    assert (along[..., 0] <= -1.0).all()
+    assert ((along[..., 1] > -1.0) & (along[..., 1] <= 1.5)).all()
+    assert (along[..., 2] > 1.5).all()
+    assert abs(across.mean()) < 5 / np.sqrt(across.size)
+    assert abs(across.std() - 1.0) < 5 / np.sqrt(2 * across.size)
 
 
-def test_blocks_have_streams_of_their_own(script: Script, small: Any) -> None:
-    run = script("folding_wing").simulate
-    means = [run(Model(), INPUTS, small, blocks=n, seed=3, draws=8).mean for n in (1, 2)]
-    again = run(Model(), INPUTS, small, blocks=2, seed=3, draws=8).mean
-    other = run(Model(), INPUTS, small, blocks=2, seed=4, draws=8).mean
-    np.testing.assert_array_equal(means[1], again)
+def test_blocks_have_streams_of_their_own(run: Callable[..., Any]) -> None:
+    means = [run(problem(Model()), blocks=n, seed=3).mean for n in (1, 2)]
+    np.testing.assert_array_equal(means[1], run(problem(Model()), blocks=2, seed=3).mean)
     assert not np.array_equal(means[0], means[1])
-    assert not np.array_equal(other, again)
+    assert not np.array_equal(run(problem(Model()), blocks=2, seed=4).mean, means[1])
 
 
 def test_mean_and_standard_error_are_those_of_the_blocks(script: Script) -> None:
     estimates = np.random.default_rng(0).random((7, 2, 3, 4))
-    sums = script("folding_wing").Accumulation("", np.zeros((2, 3, 4)), np.zeros((2, 3, 4)))
+    sums = script("folding_wing").Accumulation(np.zeros((2, 3, 4)), np.zeros((2, 3, 4)))
     assert np.isnan(sums.std_error).all()
     for estimate in estimates:
         sums.add(estimate)
@@ -84,48 +130,31 @@ def test_mean_and_standard_error_are_those_of_the_blocks(script: Script) -> None
     np.testing.assert_allclose(sums.std_error, expected, rtol=1e-12)
 
 
-def test_a_continued_run_equals_one_in_a_piece(script: Script, small: Any, tmp_path: Path) -> None:
-    run, checkpoint = script("folding_wing").simulate, tmp_path / "sums.npz"
-    whole = run(Model(), INPUTS, small, blocks=6, draws=8)
-    broken = Model(interrupt_after=1 + 4)  # the probe and four blocks
+def test_a_continued_run_equals_one_in_a_piece(run: Callable[..., Any], tmp_path: Path) -> None:
+    whole = run(problem(Model()), blocks=6)
+    store = Evaluator(failed_runs="raise", store=tmp_path / "runs.db")
     with pytest.raises(KeyboardInterrupt):
-        run(broken, INPUTS, small, blocks=6, draws=8, checkpoint=checkpoint)
+        run(problem(Model(interrupt_after=5)), blocks=6, evaluator=store)
     model = Model()
-    resumed = run(model, INPUTS, small, blocks=6, draws=8, checkpoint=checkpoint)
-    assert len(model.calls) == 1 + 2
+    resumed = run(problem(model), blocks=6, evaluator=store)
+    batches = -(-DRAWS * 40 * 15 // 4096)
+    assert 0 < len(model.calls) < 6 * batches
     assert resumed.blocks == 6
     np.testing.assert_array_equal(resumed.mean, whole.mean)
     np.testing.assert_array_equal(resumed.squares, whole.squares)
 
 
-@pytest.mark.parametrize(
-    "change", [{"seed": 8}, {"draws": 16}, {"mean": 0.5357}, {"thresholds": (0.54, 0.56)}]
-)
-def test_sums_of_other_settings_are_not_continued(
-    script: Script, small: Any, tmp_path: Path, change: dict[str, Any]
-) -> None:
-    module, checkpoint = script("folding_wing"), tmp_path / "sums.npz"
+def test_a_failed_run_has_no_place_in_a_reference(run: Callable[..., Any]) -> None:
+    def model(x: np.ndarray) -> np.ndarray:
+        return np.where(x[:, 2] > 5.0, np.nan, 0.5356)
 
-    def run(seed: int = 7, draws: int = 8, mean: float = 0.5356, **grid: Any) -> None:
-        module.simulate(
-            Model(mean),
-            INPUTS,
-            module.MissionGrid(**{**vars(small), **grid}),
-            blocks=2,
-            seed=seed,
-            draws=draws,
-            checkpoint=checkpoint,
-        )
-
-    run()
-    run()
-    with pytest.raises(ValueError, match="another seed, grid, block size or model"):
-        run(**change)
+    with pytest.raises(FailedRunError):
+        run(problem(model), blocks=2)
 
 
 def test_rows_that_are_not_known_are_left_out(script: Script, small: Any) -> None:
     module = script("folding_wing")
-    sums = module.Accumulation("", np.full(small.shape, 0.1), np.zeros(small.shape), blocks=10)
+    sums = module.Accumulation(np.full(small.shape, 0.1), np.zeros(small.shape), blocks=10)
     sums.squares[:] = 0.01**2 * 90  # a standard error of 0.01
     sums.mean[0, 0] = [0.0, 0.03]  # no failure seen; 33 %
     sums.mean[1, 2, 1] = 0.034  # 29 %
@@ -143,9 +172,9 @@ def command_line(
 ) -> Callable[..., int]:
     module = script("folding_wing")
     monkeypatch.setattr(module, "GRID", small)
-    monkeypatch.setattr(module, "SHARED_DRAWS", 8)
-    problem = SimpleNamespace(model=model, inputs=INPUTS)
-    monkeypatch.setattr(module, "folding_wing", lambda: problem)
+    monkeypatch.setattr(module, "SHARED_DRAWS", DRAWS)
+    monkeypatch.setattr(module, "folding_wing", lambda: problem(model))
+    monkeypatch.setattr(module, "simulate", partial(module.simulate, draws=DRAWS))
     return module.main
 
 
@@ -154,18 +183,18 @@ def test_command_writes_a_reference_file(
 ) -> None:
     main = command_line(script, monkeypatch, small, Model())
     out = tmp_path / "wing.json"
-    options = ["--seed", "11", "--checkpoint", str(tmp_path / "c.npz"), "--out", str(out)]
+    options = ["--seed", "11", "--store", str(tmp_path / "new" / "c.db"), "--out", str(out)]
     assert main(["--blocks", "3", *options]) == 0
-    assert main(["--blocks", "20", *options]) == 0
+    assert main(["--blocks", "5", *options]) == 0
     table = parse_references(json.loads(out.read_text()))
     assert (table.problem, table.kind) == ("folding-wing", "simulation")
-    assert f"{20 * 8 * 40} deployments" in table.how
-    assert table.command == "python validation/references/folding_wing.py --blocks 20 --seed 11"
+    assert f"{5 * DRAWS * 40 * 15} deployments" in table.how
+    assert table.command == "python validation/references/folding_wing.py --blocks 5 --seed 11"
     assert table.lookup(Criterion(0.54, 0.03, Binomial(4, 0.5))) is not None
     assert all(row.std_error > 0.0 for row in table)
 
 
-def test_interrupt_keeps_the_sums_and_says_how_to_go_on(
+def test_interrupt_keeps_the_runs_and_says_how_to_go_on(
     script: Script,
     small: Any,
     tmp_path: Path,
@@ -174,7 +203,7 @@ def test_interrupt_keeps_the_sums_and_says_how_to_go_on(
 ) -> None:
     model = Model(interrupt_after=4)
     main = command_line(script, monkeypatch, small, model)
-    options = ["--checkpoint", str(tmp_path / "c.npz"), "--out", str(tmp_path / "wing.json")]
+    options = ["--store", str(tmp_path / "c.db"), "--out", str(tmp_path / "wing.json")]
     assert main(["--blocks", "6", *options]) == 130
     message = capsys.readouterr().err
     assert "the same command continues" in message
@@ -185,18 +214,17 @@ def test_interrupt_keeps_the_sums_and_says_how_to_go_on(
     assert (tmp_path / "wing.json").exists()
 
 
-def test_another_model_is_an_error_not_a_traceback(
+def test_a_foreign_store_is_an_error_not_a_traceback(
     script: Script,
     small: Any,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    options = ["--checkpoint", str(tmp_path / "c.npz"), "--out", str(tmp_path / "wing.json")]
-    assert command_line(script, monkeypatch, small, Model())(["--blocks", "2", *options]) == 0
-    other = command_line(script, monkeypatch, small, Model(0.6))
-    assert other(["--blocks", "2", *options]) == 1
-    assert "remove the file to start afresh" in capsys.readouterr().err
+    (tmp_path / "c.db").write_text("no database" * 100)
+    main = command_line(script, monkeypatch, small, Model())
+    assert main(["--blocks", "2", "--store", str(tmp_path / "c.db")]) == 1
+    assert "no store of uqfold" in capsys.readouterr().err
 
 
 def test_one_block_has_no_standard_error(

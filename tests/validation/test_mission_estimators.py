@@ -9,124 +9,140 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from uqfold.inputs import JointInputs, normal, product_inputs
-from uqfold.problems.criterion import Binomial, Missions
+import uqfold
+from uqfold.inputs import normal
+from uqfold.problems import Problem
+from uqfold.problems.criterion import Binomial, Criterion, Missions
 
 Script = Callable[[str], ModuleType]
 
-PROFILES: list[Missions] = [1, 2, 5, 10, Binomial(10, 0.7), Binomial(4, 0.5), Binomial(3, 1.0)]
+PROFILES: list[Missions] = [1, 2, 5, 10, Binomial(10, 0.7), Binomial(4, 0.5)]
 
 
-def plug_in(total: int, per_mission: int, profile: Missions) -> np.ndarray:
+def plug_in(failures: np.ndarray) -> np.ndarray:
     """The planted wrong estimator: powers of the estimated probability."""
-    works = (1 - np.arange(total + 1) / total) ** per_mission
-    if isinstance(profile, Binomial):
-        return 1 - (1 - profile.p + profile.p * works) ** profile.planned
-    return 1 - works**profile
+    works = 1 - failures.mean(axis=0)
+    return np.array([1 - works**r for r in range(len(failures) + 1)])
 
 
-def expected_bias(table: np.ndarray, per_mission: int, profile: Missions, p: float) -> float:
-    """Exact bias of an estimator by counts when each trial fails with probability p."""
-    total = len(table) - 1
-    works = (1 - p) ** per_mission
-    if isinstance(profile, Binomial):
-        truth = 1 - (1 - profile.p * (1 - works)) ** profile.planned
-    else:
-        truth = 1 - works**profile
-    return float(stats.binom.pmf(np.arange(total + 1), total, p) @ table - truth)
+@pytest.mark.parametrize("size", [1, 2, 5, 6])
+def test_failure_of_any_is_the_mean_over_all_choices(script: Script, size: int) -> None:
+    f = np.random.default_rng(size).random((size, 3))
+    f[0] = [0.0, 1.0, 1e-9]
+    found = script("mission_estimators").failure_of_any(f)
+    assert (found[0] == 0.0).all()
+    for r in range(1, size + 1):
+        choices = [
+            1 - np.prod(1 - f[list(c)], axis=0) for c in itertools.combinations(range(size), r)
+        ]
+        np.testing.assert_allclose(found[r], np.mean(choices, axis=0), atol=1e-15)
 
 
-@pytest.mark.parametrize("profile", PROFILES, ids=str)
-@pytest.mark.parametrize(("total", "per_mission"), [(40, 4), (10, 1)])
-@pytest.mark.parametrize("p", [0.0, 1e-3, 0.1, 0.7, 1.0])
-def test_expectation_over_the_counts_is_exact(
-    script: Script, profile: Missions, total: int, per_mission: int, p: float
-) -> None:
-    table = script("mission_estimators").failure_by_count(total, per_mission, profile)
-    assert table[0] == 0.0
-    assert abs(expected_bias(table, per_mission, profile, p)) < 1e-12
-
-
-def test_a_plug_in_estimator_is_biased() -> None:
-    assert expected_bias(plug_in(40, 4, 10), 4, 10, 0.01) < -1e-3
+def test_powers_of_the_mean_are_something_else() -> None:
+    f = np.array([[0.1], [0.5]])
+    assert abs(plug_in(f)[2, 0] - (1 - 0.9 * 0.5)) > 0.01
 
 
 def test_small_estimates_are_not_lost_to_rounding(script: Script) -> None:
-    # one failure among 40 spoils one mission in ten of four: exactly 4 / 40
-    table = script("mission_estimators").failure_by_count(40, 4, 1)
-    assert table[1] == 0.1
-    tiny = script("mission_estimators").failure_by_count(40, 4, Binomial(1, 1e-12))
-    assert tiny[1] == pytest.approx(1e-13, rel=1e-12)
+    f = np.zeros((40, 1))
+    f[7] = 1e-30
+    np.testing.assert_allclose(
+        script("mission_estimators").failure_of_any(f)[:, 0], np.arange(41) / 40 * 1e-30, rtol=1e-13
+    )
 
 
-def test_too_few_trials_are_refused(script: Script) -> None:
-    with pytest.raises(ValueError, match="40 trials are too few for 11 missions"):
-        script("mission_estimators").failure_by_count(40, 4, 11)
+WEIGHTS = np.array([0.5, 0.3, 0.2])
+THRESHOLDS, TAUS = (0.5, 1.0, 2.0, 5.0, 10.0), (0.0, 0.25, 1.0, 3.0, 100.0)
 
 
-def all_missions_fail_share(pool: np.ndarray, units: int, threshold: float, tau: float) -> float:
-    """Share of failing missions among all ways to choose their responses, by enumeration."""
-    chosen = list(itertools.combinations(pool, units))
-    with np.errstate(invalid="ignore"):
-        works = [max(c) <= threshold and np.subtract(max(c), min(c)) <= tau for c in chosen]
-    return 1 - sum(works) / len(chosen)
+def enumerated(units: np.ndarray, threshold: float, tau: float) -> float:
+    """Weighted share of failing missions among all ways to take one response of each unit."""
+    failed = 0.0
+    for ways in itertools.product(range(units.shape[1]), repeat=len(units)):
+        chosen = [unit[way] for unit, way in zip(units, ways, strict=True)]
+        last = max(chosen)
+        with np.errstate(invalid="ignore"):
+            works = last <= threshold and np.subtract(last, min(chosen)) <= tau
+        failed += 0.0 if works else float(np.prod(WEIGHTS[list(ways)]))
+    return failed
 
 
 @pytest.mark.parametrize(
-    "times",
+    "mission",
     [
-        [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]],
-        [[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]],  # ties, and differences equal to tau
-        [[1.0, 1.5, 2.0, np.inf, np.inf, 1.25]],
-        [[np.inf] * 6],
-        [[0.75, 0.5, 0.25, 0.5, 1.5, 2.5], [3.0, 2.0, 1.0, 1.25, 0.25, np.inf]],
+        [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+        [[1.0, 1.0, 2.0], [2.0, 1.0, 2.0]],  # ties, and differences equal to tau
+        [[1.0, 1.5, np.inf], [np.inf, 1.25, 2.0]],
+        [[np.inf] * 3] * 2,
+        [[0.75, 0.5, 0.25], [0.5, 1.5, 2.5], [3.0, 2.0, 1.0], [1.25, 0.25, np.inf]],
     ],
 )
-def test_one_mission_equals_enumeration(script: Script, times: list[list[float]]) -> None:
-    thresholds, taus = (0.5, 1.0, 2.0, 5.0, 10.0), (0.0, 0.25, 1.0, 3.0, 100.0)
-    grid = script("mission_estimators").MissionGrid(
-        thresholds=thresholds, taus=(None, *taus), profiles=(1,), missions=2, units=3
+def test_one_mission_equals_enumeration(script: Script, mission: list[list[float]]) -> None:
+    units = np.array(mission)
+    found = script("mission_estimators").mission_failures(
+        units[None, None], WEIGHTS, np.array(THRESHOLDS), np.array(TAUS)
+    )[0, 0]
+    expected = [[enumerated(units, threshold, tau) for threshold in THRESHOLDS] for tau in TAUS]
+    np.testing.assert_allclose(found, expected, atol=1e-15)
+
+
+def test_a_rare_early_response_is_not_lost_to_rounding(script: Script) -> None:
+    # both units work but for a way of weight 1e-25 in which one of them is too early
+    weights = np.array([1e-25, 1.0])
+    units = np.array([[0.0, 1.0], [0.9, 1.0]])
+    found = script("mission_estimators").mission_failures(
+        units[None, None], weights, np.array([2.0]), np.array([0.5])
     )
-    array = np.array(times).reshape(len(times), 2, 3)
-    estimates = grid.estimate(array, np.random.default_rng(0))
-    for i, tau in enumerate((math.inf, *taus)):
-        for k, threshold in enumerate(thresholds):
-            # without tau, a response of +inf fails by the threshold alone
-            expected = [all_missions_fail_share(np.array(row), 3, threshold, tau) for row in times]
-            assert estimates[i, 0, k] == pytest.approx(np.mean(expected), abs=1e-15)
+    assert found.item() == pytest.approx(1e-25, rel=1e-12)
 
 
-def test_all_missions_of_the_pool_count_exactly(script: Script) -> None:
+def test_late_shares_are_weighted_counts(script: Script) -> None:
+    times = np.array([[[3.0, 1.0, 2.0], [np.inf, 2.0, 2.0]]])
+    found = script("mission_estimators").late_shares(times, WEIGHTS, np.array([0.0, 1.0, 2.0, 3.0]))
+    expected = [[[1.0, 0.7, 0.5, 0.0], [1.0, 1.0, 0.5, 0.5]]]
+    np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("tau", [None, 1.0])
+def test_all_missions_of_the_pool_count_exactly(script: Script, tau: float | None) -> None:
     # with as many missions as there are, one failed mission fails the profile in any arrangement
     grid = script("mission_estimators").MissionGrid(
-        thresholds=(2.0,), taus=(1.0,), profiles=(2,), missions=2, units=2
+        thresholds=(2.0,), taus=(tau,), profiles=(2,), missions=2, units=2
     )
     rng = np.random.default_rng(0)
-    assert grid.estimate(np.array([[[1.0, 1.0], [1.0, 1.0]]]), rng)[0, 0, 0] == 0.0
-    assert grid.estimate(np.array([[[1.0, 1.0], [1.0, 3.0]]]), rng)[0, 0, 0] == 1.0
+    alone = np.ones(1)
+    assert grid.estimate(np.ones((1, 4, 1)), alone, rng)[0, 0, 0] == 0.0
+    assert grid.estimate(np.array([[[1.0], [1.0], [1.0], [3.0]]]), alone, rng)[0, 0, 0] == 1.0
 
 
-def test_bad_times_are_refused(script: Script) -> None:
-    grid = script("mission_estimators").MissionGrid(thresholds=(1.0,), taus=(None,), profiles=(1,))
+def test_bad_times_and_profiles_are_refused(script: Script) -> None:
+    MissionGrid = script("mission_estimators").MissionGrid
+    grid = MissionGrid(thresholds=(1.0,), taus=(None,), profiles=(1,))
     rng = np.random.default_rng(0)
-    with pytest.raises(ValueError, match=r"shape \(3, 4, 10\)"):
-        grid.estimate(np.ones((3, 4, 10)), rng)
-    times = np.ones((3, 10, 4))
-    times[1, 2, 3] = np.nan
+    with pytest.raises(ValueError, match=r"shape \(3, 4, 3\), not \(n, 40, 3\)"):
+        grid.estimate(np.ones((3, 4, 3)), WEIGHTS, rng)
+    times = np.ones((3, 40, 3))
+    times[1, 2, 1] = np.nan
     with pytest.raises(ValueError, match="NaN"):
-        grid.estimate(times, rng)
+        grid.estimate(times, WEIGHTS, rng)
+    for profile in (11, Binomial(11, 0.5)):
+        with pytest.raises(ValueError, match="10 missions are too few"):
+            MissionGrid(thresholds=(1.0,), taus=(None,), profiles=(profile,))
 
 
-# A linear-normal system: y = 0.6 v + 0.8 e, both standard normal
+# A linear-normal system, y = 0.6 v + 0.8 e with e made of two inputs; the strata lie askew
 SHARED, OWN = 0.6, 0.8
-THRESHOLDS = (0.5, 1.5, 2.5)
-TAUS = (None, 2.0, 3.0)
-LIMIT = 5.0  # standard errors, for about 50 rows of blocks that are nearly normal
+LIMIT = 5.0  # standard errors, for some hundred rows of means over 40 blocks
 
 
-def stand_in() -> tuple[Callable[[np.ndarray], np.ndarray], JointInputs]:
-    inputs = product_inputs({"v": normal(0, 1)}, {"e": normal(0, 1)})
-    return (lambda x: SHARED * x[:, 0] + OWN * x[:, 1]), inputs
+def stand_in() -> Problem:
+    return Problem(
+        lambda x: SHARED * x[:, 0] + OWN * (0.96 * x[:, 1] + 0.28 * x[:, 2]),
+        shared={"v": normal(0, 1)},
+        individual={"e": normal(0, 1), "f": normal(0, 1)},
+        units=4,
+        low_fidelity=lambda x: x[:, 1],
+    )
 
 
 class LinearNormal:
@@ -135,29 +151,60 @@ class LinearNormal:
         return e.cdf(t), e.sf(t), e.pdf(t)
 
 
-def exact(script: Script, profiles: list[Missions]) -> np.ndarray:
+def linear_normal_scores(script: Script, edges: tuple[float, ...]) -> np.ndarray:
+    """Differences from the exact answers, in standard errors."""
     s = script("order_statistics")
-    grid = s.Grid(
-        start=-14.0, width=0.5, thresholds=THRESHOLDS, taus=TAUS, profiles=profiles, n_units=4
-    )
+    what = {"thresholds": (0.5, 1.5, 2.5), "taus": (None, 2.0, 3.0), "profiles": PROFILES}
+    grid = s.Grid(start=-14.0, width=0.5, n_units=4, **what)
     resolution = s.Resolution(reach=9.0, shared_step=0.25, individual_step=1.0, panel_nodes=8)
-    return s.integrate(LinearNormal(), grid, resolution)
-
-
-def z_scores(script: Script, blocks: int) -> np.ndarray:
-    profiles: list[Missions] = [1, 2, 5, 10, Binomial(10, 0.7), Binomial(4, 0.5)]
-    grid = script("mission_estimators").MissionGrid(
-        thresholds=THRESHOLDS, taus=TAUS, profiles=profiles
-    )
-    model, inputs = stand_in()
+    exact = s.integrate(LinearNormal(), grid, resolution)
     sums = script("folding_wing").simulate(
-        model, inputs, grid, blocks=blocks, seed=20240611, draws=128
+        stand_in(),
+        script("mission_estimators").MissionGrid(**what),
+        blocks=40,
+        seed=7,
+        draws=64 if not edges else 16,
+        strata=script("stratified_draws").Strata(edges),
     )
-    return (sums.mean - exact(script, profiles)) / sums.std_error
+    return ((sums.mean - exact) / sums.std_error).ravel()
 
 
-def test_simulation_agrees_with_the_exact_system(script: Script) -> None:
-    z = z_scores(script, blocks=100)
+def series_scores(script: Script, edges: tuple[float, ...]) -> np.ndarray:
+    """The same for Example 1, whose answers are known down to 3e-7."""
+    problem = uqfold.problems.series()
+    grid = script("mission_estimators").MissionGrid(
+        thresholds=(-1.0, 2.0, 4.0, 6.0, 8.0), taus=(None, 12.0, 20.0), profiles=PROFILES
+    )
+    sums = script("folding_wing").simulate(
+        problem, grid, blocks=40, seed=7, draws=16, strata=script("stratified_draws").Strata(edges)
+    )
+    assert problem.references is not None
+    entries = [
+        problem.references.lookup(Criterion(threshold, tau, profile))
+        for tau in grid.taus
+        for profile in grid.profiles
+        for threshold in grid.thresholds
+    ]
+    known = np.array([math.nan if entry is None else entry.pf for entry in entries])
+    scores = (sums.mean.ravel() - known) / sums.std_error.ravel()
+    assert np.nanmin(known) < 5e-7
+    assert np.isfinite(scores).sum() > 60
+    return scores[np.isfinite(scores)]
+
+
+ONE = ()
+STRATA = tuple(float(edge) for edge in range(-3, 6))
+Scores = Callable[[Script, tuple[float, ...]], np.ndarray]
+
+
+@pytest.mark.parametrize(
+    ("scores", "edges"),
+    [(linear_normal_scores, ONE), (linear_normal_scores, STRATA), (series_scores, STRATA)],
+)
+def test_simulation_agrees_with_exact_systems(
+    script: Script, scores: Scores, edges: tuple[float, ...]
+) -> None:
+    z = scores(script, edges)
     assert np.abs(z).max() < LIMIT
     # the standard errors are not too large either
     assert np.sqrt(np.mean(z**2)) > 0.3
@@ -166,6 +213,18 @@ def test_simulation_agrees_with_the_exact_system(script: Script) -> None:
 def test_the_same_check_catches_powers_of_estimated_probabilities(
     script: Script, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(script("mission_estimators"), "failure_by_count", plug_in)
-    z = z_scores(script, blocks=100)
-    assert np.abs(z).max() > 4 * LIMIT
+    monkeypatch.setattr(script("mission_estimators"), "failure_of_any", plug_in)
+    assert np.abs(linear_normal_scores(script, ONE)).max() > 2 * LIMIT
+
+
+def test_the_same_check_catches_weights_of_other_strata(
+    script: Script, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    strata = script("stratified_draws").Strata
+    right = strata.probabilities.fget
+
+    def shifted(self) -> np.ndarray:
+        return right(strata(tuple(edge + 0.05 for edge in self.edges)))
+
+    monkeypatch.setattr(strata, "probabilities", property(shifted))
+    assert np.abs(series_scores(script, STRATA)).max() > 2 * LIMIT
