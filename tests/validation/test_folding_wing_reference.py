@@ -17,7 +17,7 @@ from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.inputs import normal
 from uqfold.problems import Problem
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.problems.reference import parse_references
+from uqfold.problems.reference import load_references, parse_references
 
 Script = Callable[[str], ModuleType]
 DRAWS = 8
@@ -242,3 +242,20 @@ def test_grid_of_the_run_covers_the_default_criteria(script: Script) -> None:
     assert set(DEFAULT_THRESHOLDS) <= set(grid.thresholds)
     assert set(DEFAULT_TAU) <= set(grid.taus)
     assert 1 in grid.profiles
+
+
+def test_the_shipped_table_is_as_accurate_as_promised(script: Script) -> None:
+    table = load_references("folding_wing")
+    grid = script("folding_wing").GRID
+    ranges = {1e-3: 0.012, 1e-4: 0.02, 1e-6: 0.05}
+    for criterion, row in table.entries.items():
+        allowed = next((share for pf, share in ranges.items() if row.pf >= pf), 0.3)
+        assert row.std_error <= allowed * row.pf, criterion
+    known = [
+        (threshold, tau, missions)
+        for threshold in grid.thresholds
+        for tau in grid.taus
+        for missions in (1, 2, 5, 10)
+    ]
+    assert all(table.lookup(Criterion(*one)) is not None for one in known)
+    assert min(row.pf for row in table) < 1e-8

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from uqfold.typing import FloatArray
+
 
 class BudgetExceededError(RuntimeError):
     """A method asked for more runs than `max_evals` allows."""
 
 
 class TimeLimitError(BudgetExceededError):
-    """The wall-clock limit `max_seconds` of the evaluator is over."""
+    """The wall-clock limit `max_seconds` of the evaluator is over.
+
+    Attributes
+    ----------
+    responses
+        Those (k,) of the first k rows of the call that was under way, which were still made.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+        self.responses: FloatArray = np.empty(0)
 
 
 class FailedRunError(RuntimeError):

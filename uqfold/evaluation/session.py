@@ -117,7 +117,8 @@ class EvaluationSession:
         BudgetExceededError
             If fewer than n runs are left; no run is spent then.
         TimeLimitError
-            If the wall-clock limit is over before the last batch.
+            If the wall-clock limit is over before the last batch; it holds the responses of the
+            rows before.
         FailedRunError
             If a run fails under the policy ``raise``, or the first 64 runs all fail.
         EngineError
@@ -154,11 +155,13 @@ class EvaluationSession:
         under_way: dict[int, _Batch] = {}
         postponed: Exception | None = None
         drawn = False
+        made = np.empty(0)  # what the block under way has so far
         try:
             while True:
                 while queue and queue[0].done:
                     batch = queue.popleft()
                     self._account(batch)
+                    made = batch.block[: 0 if batch.last else made.size + batch.y.size]
                     if batch.last:
                         yield batch.block
                 room = self._runner.in_flight < self._runner.capacity
@@ -179,6 +182,9 @@ class EvaluationSession:
                     break
             if postponed is not None:
                 raise postponed
+        except TimeLimitError as error:
+            error.responses = made
+            raise
         finally:
             self._reserved = 0
             if self._runner.in_flight:

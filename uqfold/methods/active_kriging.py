@@ -23,7 +23,8 @@ from uqfold.methods.active_stopping import Check, Stability, control_points, unv
 from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
-from uqfold.methods.response_surface import DesignRuns, affordable_runs, surface_estimates
+from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
+from uqfold.methods.response_surface import surface_estimates
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.theory import ACTIVE_KRIGING, Theory
 from uqfold.problems.base import Problem
@@ -180,7 +181,8 @@ class ActiveKriging(SequentialMethod):
         total = affordable_runs(task, self.runs, least)
         first = max(12, 3 * inputs.dimension) if self.initial is None else max(self.initial, least)
         u = space_filling_design(min(first, total), inputs.dimension, rng)
-        y = yield inputs.from_standard_normal(u)
+        design = yield from design_runs(task, u, self.runs, least)
+        u, y = design.u, design.y
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
         fits = KernelFits(kernels, self.noise)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uqfold.methods.base import Task
-from uqfold.methods.response_surface import DesignRuns
+from uqfold.methods.design_runs import DesignRuns
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.system.influence import Influence, influences

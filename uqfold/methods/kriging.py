@@ -8,12 +8,8 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
-from uqfold.methods.response_surface import (
-    DesignRuns,
-    Rival,
-    affordable_runs,
-    surface_estimates,
-)
+from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
+from uqfold.methods.response_surface import Rival, surface_estimates
 from uqfold.methods.theory import KRIGING, Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -122,10 +118,10 @@ class Kriging(SequentialMethod):
 
     def _steps(self, task: Task) -> Steps:
         inputs = task.problem.inputs
-        size = affordable_runs(task, self.runs, least=2 * inputs.dimension + 2)
+        least = 2 * inputs.dimension + 2
+        size = affordable_runs(task, self.runs, least)
         u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
-        y = yield inputs.from_standard_normal(u)
-        runs = DesignRuns(u, y, self.runs)
+        runs = yield from design_runs(task, u, self.runs, least)
         if not runs.fittable:
             return runs.without_surface(task)
         surface, *others = self._fitted(task, runs)

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_interrupt import reclaim_interrupt
@@ -125,9 +126,9 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
                     f"one system can cost {event.max_evals_per_sample} runs, but the share of "
                     f"this criterion is {share}",
                 )
-            run, cov = self._simulate(task, event, block_size, blocks, share)
+            run, cov, stopped = self._simulate(task, event, block_size, blocks, share)
             runs.append(run)
-            return self._estimate(run, cov, session.n_evals - before)
+            return self._estimate(run, cov, stopped, session.n_evals - before)
 
         estimates = [
             attempt(partial(answer, event, len(events) - i)) for i, event in enumerate(events)
@@ -151,8 +152,8 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     def _simulate(
         self, task: Task, event: SystemEvent, block_size: int, blocks: int, share: int | None
-    ) -> tuple[SimulationRun, float]:
-        """Run OpenTURNS on one event; also gives the coefficient of variation it reports."""
+    ) -> tuple[SimulationRun, float, str]:
+        """Run OpenTURNS on one event; also give its coefficient of variation, and what cut it."""
         import openturns as ot
 
         session = task.session
@@ -192,19 +193,24 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
             try:
                 algorithm.run()
             except RuntimeError:
-                if raised:
+                if not raised:
+                    raise
+                if n == 0 or not isinstance(raised[0], TimeLimitError):
                     raise raised[0] from None
-                raise
+        run = SimulationRun(event.criterion, n, failures, open_samples, block_size)
+        if raised:
+            # the blocks before the wall-clock limit are an answer
+            cov = math.sqrt((n - failures) / (failures * n)) if failures else math.inf
+            return run, cov, str(raised[0])
         result = algorithm.getResult()
         reported = result.getProbabilityEstimate()
         if n == 0 or abs(reported - failures / n) > 1e-9:
             raise RuntimeError(
                 f"OpenTURNS reports pf = {reported}, but {failures} of {n} samples failed"
             )
-        run = SimulationRun(event.criterion, n, failures, open_samples, block_size)
-        return run, float(result.getCoefficientOfVariation())
+        return run, float(result.getCoefficientOfVariation()), ""
 
-    def _estimate(self, run: SimulationRun, cov: float, n_evals: int) -> Estimate:
+    def _estimate(self, run: SimulationRun, cov: float, stopped: str, n_evals: int) -> Estimate:
         n, high, low = run.n_samples, run.failures, run.failures - run.open_samples
         pf = high / n
         status: Status = "converged"
@@ -230,7 +236,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
             pf_high=pf,
             error_kind="sampling",
             status=status,
-            message=message,
+            message=f"{message}; {stopped}" if stopped else message,
             n_evals_row=n_evals,
         )
 

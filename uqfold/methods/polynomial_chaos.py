@@ -10,13 +10,9 @@ import numpy as np
 from uqfold.inputs import JointInputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
+from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
 from uqfold.methods.factorial_design import Nodes, affordable_design, check_nodes
-from uqfold.methods.response_surface import (
-    DesignRuns,
-    Rival,
-    affordable_runs,
-    surface_estimates,
-)
+from uqfold.methods.response_surface import Rival, surface_estimates
 from uqfold.methods.theory import POLYNOMIAL_CHAOS, Theory
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.surrogates.cross_validation import LeaveOneOut
@@ -127,14 +123,13 @@ class PolynomialChaos(SequentialMethod):
         inputs = task.problem.inputs
         if self.design == "ffni":
             x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
-            u, asked = self._standard_nodes(inputs, x), x.shape[0]
+            y = yield x
+            runs = DesignRuns(self._standard_nodes(inputs, x), y, x.shape[0])
         else:
-            asked = self.runs
-            size = affordable_runs(task, asked, least=2 * inputs.dimension + 2)
+            least = 2 * inputs.dimension + 2
+            size = affordable_runs(task, self.runs, least)
             u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
-            x = inputs.from_standard_normal(u)
-        y = yield x
-        runs = DesignRuns(u, y, asked)
+            runs = yield from design_runs(task, u, self.runs, least)
         if not runs.fittable:
             return runs.without_surface(task)
         fitted = runs.u[runs.finite], runs.y[runs.finite]

@@ -16,17 +16,15 @@ from typing import Protocol
 
 import numpy as np
 
-from uqfold.evaluation import BudgetExceededError
-from uqfold.methods.base import Solution, Task, attempt
+from uqfold.methods.base import Task, attempt
+from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.system.conditional import SystemProbability, system_failures
-from uqfold.system.conditional_response import ConditionalResponse
-from uqfold.system.lines import ALWAYS, FINITE, MISSING, NEVER
+from uqfold.system.conditional import SystemProbability
 from uqfold.system.surface import SurfaceSystem, reliability_index
 from uqfold.system.surface_rule import MAX_POINTS, Surface
-from uqfold.typing import BoolArray, FloatArray, IntArray
+from uqfold.typing import FloatArray
 
 CI_KIND = "95 % surrogate"
 
@@ -76,82 +74,6 @@ class Rival:
         """A rival whose distance counts the less, the worse it predicts left-out runs."""
         own, others = best.leave_one_out().rms, other.leave_one_out().rms
         return cls(other.mean, min(1.0, own / others) if others > 0.0 else 1.0)
-
-
-@dataclass(frozen=True, eq=False)
-class DesignRuns:
-    """Model runs at the points of a design.
-
-    Attributes
-    ----------
-    u
-        Points (n, d) in standard-normal space.
-    y
-        Responses (n,): +-inf are valid, NaN are failed runs.
-    asked
-        How many runs the settings ask for.
-    """
-
-    u: FloatArray
-    y: FloatArray
-    asked: int
-
-    @property
-    def finite(self) -> BoolArray:
-        """Which responses are finite (n,)."""
-        return np.asarray(np.isfinite(self.y), dtype=bool)
-
-    @property
-    def complete(self) -> bool:
-        """Whether all of them are."""
-        return bool(self.finite.all())
-
-    @property
-    def fittable(self) -> bool:
-        """Whether there are enough finite responses to fit a surface to."""
-        return int(self.finite.sum()) > int(self.u.shape[1]) + 1
-
-    def without_surface(self, task: Task) -> Solution:
-        """Answer where hardly any response is finite: if all are +inf, every criterion fails."""
-        if np.isposinf(self.y).all():
-            return Solution([_never(criterion, self) for criterion in task.criteria])
-        message = (
-            f"only {int(self.finite.sum())} of {self.y.size} responses are finite: too few for a "
-            f"surface over {self.u.shape[1]} inputs"
-        )
-        if task.session.first_failure:
-            message = f"{message}; {task.session.first_failure}"
-        return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
-
-    def outcomes(self, u: FloatArray) -> IntArray:
-        """Kind of outcome at u (m, d): that of the nearest run."""
-        from scipy.spatial import cKDTree
-
-        kinds = np.select(
-            [self.finite, np.isposinf(self.y), np.isneginf(self.y)],
-            [FINITE, NEVER, ALWAYS],
-            default=MISSING,
-        )
-        return np.asarray(kinds[cKDTree(self.u).query(u)[1]])
-
-
-def affordable_runs(task: Task, asked: int, least: int) -> int:
-    """How many runs a design may have: what is asked for, or what the budget allows.
-
-    Raises
-    ------
-    BudgetExceededError
-        If the budget does not allow the `least` runs that a fit needs.
-    """
-    allowed = min(asked, task.session.remaining)
-    if allowed < least:
-        limit = f"max_evals = {task.max_evals}" if asked >= least else f"runs = {asked}"
-        raise BudgetExceededError(
-            f"{limit}, but a surface over {task.problem.inputs.dimension} inputs needs at least "
-            f"{least} runs: raise it"
-        )
-    task.expect(allowed)
-    return allowed
 
 
 def surface_estimates(
@@ -265,6 +187,7 @@ def _estimate(
     exhausted = runs.y.size < runs.asked
     if exhausted:
         note = [f"{runs.y.size} of the {runs.asked} runs that the settings ask for"]
+        note += [runs.stopped] if runs.stopped else []
     return Estimate(
         pf=found.pf,
         reliability=found.reliability,
@@ -277,18 +200,6 @@ def _estimate(
         error_kind="surrogate",
         status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
         message="; ".join([*doubts, *(note if exhausted else [])]),
-    )
-
-
-def _never(criterion: Criterion, runs: DesignRuns) -> Estimate:
-    """Answer where the model gave nothing but +inf."""
-    response = ConditionalResponse(None, p_never=1.0)
-    found = system_failures([response], [1.0], 1, [criterion])[0]
-    return Estimate(
-        pf=found.pf,
-        reliability=found.reliability,
-        status="doubtful",
-        message=f"all {runs.y.size} responses are +inf",
     )
 
 

@@ -1,0 +1,104 @@
+"""When the wall-clock limit strikes, methods answer with the runs that they have."""
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uqfold.evaluation import Evaluator, TimeLimitError
+from uqfold.methods import (
+    ActiveKriging,
+    FFNIPearson,
+    Kriging,
+    OpenTURNSMonteCarlo,
+    PolynomialChaos,
+    ReliabilityMethod,
+)
+from uqfold.problems import Problem
+from uqfold.problems.criterion import criteria
+from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.typing import FloatArray
+
+SYSTEM = LinearNormalSystem()
+ASKED = criteria([11.0, 12.0], missions=[1, 3])
+
+
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], dict[str, Any]]:
+    """A model that takes one second for each run, by a clock that only it moves."""
+    clock = [0.0]
+    monkeypatch.setattr(
+        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: clock[0])
+    )
+    plain = SYSTEM.problem()
+
+    def model(x: FloatArray) -> FloatArray:
+        clock[0] += len(x)
+        return np.asarray(plain.model(x))
+
+    def arguments(seconds: float) -> dict[str, Any]:
+        problem = Problem(
+            model,
+            inputs=plain.inputs.distribution,
+            names=plain.inputs.names,
+            shared=plain.inputs.shared_names,
+            units=plain.n_units,
+        )
+        evaluator = Evaluator(max_seconds=seconds, batch_rows=1)
+        return {"problem": problem, "rng": 1, "evaluator": evaluator}
+
+    return arguments
+
+
+def test_the_error_holds_the_responses_that_were_made(slow: Callable[..., Any]) -> None:
+    given = slow(7.0)
+    session = given["evaluator"].open(given["problem"], None)
+    x = given["problem"].inputs.sample(np.random.default_rng(0), 10)
+    np.testing.assert_array_equal(session.evaluate(x[:3]), SYSTEM.response(x[:3]))
+    with pytest.raises(TimeLimitError, match="is over after 7 runs") as caught:
+        session.evaluate(x)
+    np.testing.assert_array_equal(caught.value.responses, SYSTEM.response(x[:4]))
+    with pytest.raises(TimeLimitError) as caught:
+        session.evaluate(x)
+    assert caught.value.responses.size == 0
+
+
+@pytest.mark.parametrize(
+    ("method", "seconds"),
+    [
+        (Kriging(runs=60), 40),
+        (PolynomialChaos(runs=60), 40),
+        (ActiveKriging(), 10),  # in the first design
+        (ActiveKriging(), 14),  # in the first step of learning
+        (OpenTURNSMonteCarlo(block_size=50, target_cov=0.01), 450),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
+def test_a_cut_design_is_an_answer(
+    slow: Callable[..., Any], method: ReliabilityMethod, seconds: int
+) -> None:
+    given = slow(seconds)
+    asked = ASKED if method.name != "openturns-mc" else criteria(11.0)
+    exact = [SYSTEM.pf(criterion) for criterion in asked]
+    result = method.estimate(criteria=asked, **given)
+    assert result.n_evals == seconds
+    for row, pf in zip(result, exact, strict=True):
+        assert row.status in {"budget_exhausted", "doubtful"}
+        assert f"the wall-clock limit of {seconds} s is over after {seconds} runs" in row.message
+        assert row.ci_low <= pf <= row.ci_high
+        assert abs(row.pf - pf) < 5 * row.std_error
+
+
+@pytest.mark.parametrize(
+    "method",
+    [Kriging(), PolynomialChaos(), ActiveKriging(), PolynomialChaos(design="ffni"), FFNIPearson()],
+    ids=lambda method: method.name,
+)
+def test_too_few_runs_are_none(slow: Callable[..., Any], method: ReliabilityMethod) -> None:
+    result = method.estimate(criteria=ASKED, **slow(5.0))
+    assert {row.status for row in result} == {"failed"}
+    assert (
+        "out of budget before an answer: the wall-clock limit of 5 s is over" in result[0].message
+    )
