@@ -8,7 +8,7 @@ it integrates over the distribution, which takes a little more (`IntegrableDistr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,7 +52,6 @@ class ConditionalDistribution(Protocol):
         ...
 
 
-@runtime_checkable
 class IntegrableDistribution(ConditionalDistribution, Protocol):
     """A distribution with a density that integrals can run over, and possibly atoms.
 
@@ -95,6 +94,13 @@ class IntegrableDistribution(ConditionalDistribution, Protocol):
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> FloatArray:
         """Draw independent responses."""
         ...
+
+
+def integrable(distribution: ConditionalDistribution) -> TypeGuard[IntegrableDistribution]:
+    """Whether a distribution has a density that integrals can run over."""
+    # one attribute tells: this is asked for every node of every surface, and comparing with all
+    # members of a protocol would take longer than what follows
+    return hasattr(distribution, "at_coordinate")
 
 
 @dataclass(frozen=True)

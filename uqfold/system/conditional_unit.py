@@ -18,6 +18,7 @@ from uqfold.moments.conditional import (
     AtCoordinate,
     ConditionalDistribution,
     IntegrableDistribution,
+    integrable,
 )
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.typing import FloatArray
@@ -106,7 +107,7 @@ class UnitResponse:
             return np.ones(y.shape), np.zeros(y.shape)
         cdf, sf = np.zeros(y.shape), np.zeros(y.shape)
         for part, share in zip(self._parts, self._shares, strict=True):
-            if isinstance(part, IntegrableDistribution):
+            if integrable(part):
                 part_cdf, part_sf = part.tails(y)
             else:
                 part_cdf, part_sf = part.cdf(y), part.sf(y)
@@ -116,7 +117,7 @@ class UnitResponse:
     @cached_property
     def _integrable(self) -> list[Component]:
         for part in self._parts:
-            if not isinstance(part, IntegrableDistribution):
+            if not integrable(part):
                 raise TypeError(
                     f"{type(part).__name__} has no density to integrate over, which a "
                     "synchronization threshold tau needs; use a Pearson or normal distribution"

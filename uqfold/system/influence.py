@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.moments.conditional import ConditionalDistribution, IntegrableDistribution
+from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.typing import FloatArray
@@ -141,7 +141,7 @@ class _Scores:
         """Tabulate; None for a distribution without a density."""
         from scipy.special import ndtri
 
-        if not isinstance(distribution, IntegrableDistribution):
+        if not integrable(distribution):
             return None
         edges = distribution.breakpoints
         if edges.size < 2:
