@@ -82,7 +82,11 @@ def journal_paths(table: Mapping[str, ArrayLike]) -> Figure:
         x, y = (1e3 * np.asarray(table[f"e_{joint}_{part}"]) for part in "xy")
         points = np.column_stack([x, y])
         lines = LineCollection(
-            list(np.stack([points[:-1], points[1:]], axis=1)), cmap="viridis", linewidths=0.8
+            list(np.stack([points[:-1], points[1:]], axis=1)),
+            cmap="viridis",
+            linewidths=0.8,
+            # thousands of pieces: as shapes they would make a file of half a megabyte
+            rasterized=True,
         )
         lines.set_array(time[:-1])
         axes.add_collection(lines)
@@ -101,8 +105,8 @@ def journal_paths(table: Mapping[str, ArrayLike]) -> Figure:
     early = (time > 0.0) & (time < 0.2)
     panels[2].plot(depth[early], rate[early], color=CRANK, linewidth=0.6)
     panels[2].axvline(0.0, color="black", linewidth=0.8)
-    panels[2].set(xlabel="penetration (mm)", ylabel="its rate (m/s)")
-    panels[2].set_title("joint B, first 0.2 s: contact right of 0")
+    panels[2].set(xlabel="penetration (mm)\nabove 0 in contact", ylabel="its rate (m/s)")
+    panels[2].set_title("joint B, first 0.2 s")
     return figure
 
 

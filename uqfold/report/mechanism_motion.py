@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uqfold.report.style import figure_settings
+from uqfold.report.style import COLUMN_INCHES, figure_settings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,6 +43,22 @@ def mechanism_motion(table: Mapping[str, ArrayLike], poses: Sequence[float] = PO
 
 
 @figure_settings()
+def mechanism_poses(table: Mapping[str, ArrayLike], poses: Sequence[float] = POSES) -> Figure:
+    """Draw the mechanism at successive times alone, at the width of a column.
+
+    Parameters
+    ----------
+    table, poses
+        As in `mechanism_motion`.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(COLUMN_INCHES, 3.1), layout="constrained")
+    draw_poses(figure.subplots(), table, poses)
+    return figure
+
+
+@figure_settings()
 def crank_angle(table: Mapping[str, ArrayLike]) -> Figure:
     """Draw the crank's angle over time, as Fig. 8 does, at the width of a column.
 
@@ -53,7 +69,7 @@ def crank_angle(table: Mapping[str, ArrayLike]) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(3.6, 2.7), layout="constrained")
+    figure = Figure(figsize=(COLUMN_INCHES, 2.6), layout="constrained")
     draw_crank_angle(figure.subplots(), table)
     return figure
 

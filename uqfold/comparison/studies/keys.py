@@ -80,6 +80,9 @@ class Kind:
         Analyses only: the columns that identify a row.
     needs
         Figures and tables only: columns that the tables they read must have.
+    picture
+        Figures only: the file that the report shows. Where it is ``svg``, `call` gives the text
+        of an SVG picture instead of a figure, and there is no other file.
     """
 
     name: str
@@ -89,6 +92,7 @@ class Kind:
     columns: Mapping[str, type] = field(default_factory=dict)
     index: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    picture: str = "png"
 
 
 def read_table(content: Any, place: Place, keys: Sequence[Key]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uqfold.comparison.records import replacing
 from uqfold.comparison.studies.study import Spec, Study
 from uqfold.report.figures import FORMATS, save_figure
 from uqfold.report.studies.selection import SelectionError
@@ -54,12 +55,21 @@ def write_exhibits(
             progress(spec.name)
         figure = _called(spec, tables)
         directory.mkdir(parents=True, exist_ok=True)
-        written += save_figure(figure, directory, spec.name)
+        if spec.kind.picture == "svg":
+            written.append(_save_picture(figure, directory / f"{spec.name}.svg"))
+        else:
+            written += save_figure(figure, directory, spec.name)
     if directory.is_dir():
         for path in directory.iterdir():
             if path.suffix.removeprefix(".") in FORMATS and path not in written:
                 path.unlink()
     return shown, written
+
+
+def _save_picture(text: str, path: Path) -> Path:
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path
 
 
 def _called(spec: Spec, tables: Mapping[str, pd.DataFrame]) -> Any:

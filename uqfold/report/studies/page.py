@@ -91,7 +91,7 @@ def _figures(specs: tuple[Spec, ...]) -> Iterator[str]:
     for spec in specs:
         title = spec.title or spec.name
         yield f"### {title}"
-        yield f"![{title}]({FIGURES_FOLDER}/{spec.name}.png)"
+        yield f"![{title}]({FIGURES_FOLDER}/{spec.name}.{spec.kind.picture})"
         yield spec.caption.strip()
 
 

@@ -2,7 +2,8 @@
 
 The `call` of a kind takes the settings of the figure or table (values of its keys) and all tables
 of the study by name (`Mapping[str, pandas.DataFrame]`, with ``problems`` and ``inputs`` among
-them). A figure gives a `matplotlib.figure.Figure`, bound to no window; a table a pandas frame of
+them). A figure gives a `matplotlib.figure.Figure`, bound to no
+window, or the text of an SVG picture where its kind says so; a table a pandas frame of
 texts whose columns are the headings. Neither runs a model.
 """
 
@@ -12,6 +13,9 @@ from uqfold.comparison.studies.keys import Kind
 from uqfold.comparison.studies.registry import loaded_kinds
 
 _FIGURES: dict[str, str] = {
+    "animation": "uqfold.report.studies.mechanism:ANIMATION",
+    "mechanism": "uqfold.report.studies.mechanism:MECHANISM",
+    "motion": "uqfold.report.studies.mechanism:MOTION",
     "reliability": "uqfold.report.studies.reliability:RELIABILITY",
 }
 _TABLES: dict[str, str] = {
