@@ -17,7 +17,7 @@ from uqfold.lazy import lazy_exports
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uqfold import inputs, mechanism, methods, problems, system, testing
+    from uqfold import inputs, mechanism, methods, problems, report, system, testing
     from uqfold.comparison.run import compare
     from uqfold.evaluation.evaluator import Evaluator
     from uqfold.methods.base import ReliabilityMethod
@@ -45,6 +45,7 @@ __all__ = [
     "mechanism",
     "methods",
     "problems",
+    "report",
     "system",
     "testing",
 ]
@@ -71,6 +72,7 @@ __getattr__, __dir__ = lazy_exports(
         "mechanism": "uqfold.mechanism",
         "methods": "uqfold.methods",
         "problems": "uqfold.problems",
+        "report": "uqfold.report",
         "system": "uqfold.system",
         "testing": "uqfold.testing",
     },

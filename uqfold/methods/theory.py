@@ -70,13 +70,13 @@ _RASMUSSEN = (
 )
 
 _OUTER = Equation(
-    "Gauss rules with nodes v_k and weights w_k over the shared inputs turn the expectation into "
-    "a sum; for n units and m missions",
+    "Gauss rules over the K nodes of the shared inputs turn the expectation into a sum with "
+    "weights w; for n units and m missions",
     r"p_f \approx \sum_{k=1}^{K} w_k \left\{ 1 - \left[ H_k(T) \right]^{n m} \right\}",
     "Eqs. (28), (31)",
 )
 _MOMENTS = Equation(
-    "at each shared node, Gauss rules over the individual inputs give the raw moments of the "
+    "at each shared node v, Gauss rules over the individual inputs x give the raw moments of the "
     "response y of one unit",
     r"\mu'_r(v_k) = \sum_{q=1}^{Q} w_q \, y(v_k, x_q)^r, \qquad r = 1, \dots, 4",
     "Eqs. (33), (41)",
@@ -178,8 +178,7 @@ MONTE_CARLO = Theory(
             r"\hat{\sigma} = \sqrt{\frac{\hat{p}_f (1 - \hat{p}_f)}{N}}",
         ),
         Equation(
-            "the interval at level 1 - alpha has as its ends the quantiles of two beta "
-            "distributions",
+            "the interval at level 1 - α has as its ends the quantiles of two beta distributions",
             r"\left[ B^{-1}_{k,\, N - k + 1}\left(\tfrac{\alpha}{2}\right), \; "
             r"B^{-1}_{k + 1,\, N - k}\left(1 - \tfrac{\alpha}{2}\right) \right]",
         ),
@@ -249,12 +248,13 @@ FORM = Theory(
     equations=(
         Equation(
             "The design point of the limit state y(u) = T is",
-            r"u^* = \arg\min_{u} \left\{ \lVert u \rVert : y(u) = T \right\}, \qquad "
+            r"u^* = \underset{u}{\operatorname{argmin}} "
+            r"\left\{ \lVert u \rVert : y(u) = T \right\}, \qquad "
             r"\beta = \pm \lVert u^* \rVert, \qquad "
             r"\alpha = \frac{\nabla y(u^*)}{\lVert \nabla y(u^*) \rVert}",
         ),
         Equation(
-            "with the shared part of alpha the linearised responses of all units and missions "
+            "with the shared part of α the linearised responses of all units and missions "
             "have the common correlation",
             r"\rho = \lVert \alpha_{\text{shared}} \rVert^2",
         ),
@@ -316,11 +316,11 @@ POLYNOMIAL_CHAOS = Theory(
     ),
     equations=(
         Equation(
-            "The expansion over the multi-indices of a set A is",
+            "The expansion over a set A of multi-indices α is",
             r"\hat{g}(u) = \sum_{\alpha \in A} c_\alpha \prod_{i=1}^{d} \psi_{\alpha_i}(u_i)",
         ),
         Equation(
-            "with h_i the leverage of run i, its leave-one-out error is",
+            "with h the leverage of each run, its leave-one-out error is",
             r"\epsilon_{\text{LOO}} = \frac{1}{N} \sum_{i=1}^{N} "
             r"\left( \frac{y_i - \hat{g}(u_i)}{1 - h_i} \right)^2",
         ),
@@ -347,7 +347,8 @@ ACTIVE_KRIGING = Theory(
         Equation(
             "by default the next runs reduce the posterior variance of the failure probabilities "
             "most, to first order in the surface",
-            r"x_{\text{new}} = \arg\max_{x} \left\{ \operatorname{Var}\left[ p_f \right] - "
+            r"x_{\text{new}} = \underset{x}{\operatorname{argmax}} "
+            r"\left\{ \operatorname{Var}\left[ p_f \right] - "
             r"\operatorname{Var}\left[ p_f \mid y(x) \right] \right\}",
         ),
         _CONDITIONAL,

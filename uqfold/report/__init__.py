@@ -1,4 +1,4 @@
-"""Tables and figures of records; nothing here runs a model."""
+"""Tables, figures and reports of records; nothing here runs a model."""
 
 from typing import TYPE_CHECKING
 
@@ -8,13 +8,16 @@ if TYPE_CHECKING:
     from uqfold.report.cost import error_against_evaluations
     from uqfold.report.curves import reliability_curves
     from uqfold.report.figures import write_figures
+    from uqfold.report.reports import report_page, write_report
     from uqfold.report.table import ComparisonTable
 
 __all__ = [
     "ComparisonTable",
     "error_against_evaluations",
     "reliability_curves",
+    "report_page",
     "write_figures",
+    "write_report",
 ]
 
 __getattr__, __dir__ = lazy_exports(
@@ -24,6 +27,8 @@ __getattr__, __dir__ = lazy_exports(
         "ComparisonTable": "uqfold.report.table",
         "error_against_evaluations": "uqfold.report.cost",
         "reliability_curves": "uqfold.report.curves",
+        "report_page": "uqfold.report.reports",
         "write_figures": "uqfold.report.figures",
+        "write_report": "uqfold.report.reports",
     },
 )

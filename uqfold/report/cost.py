@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uqfold.comparison.records import Records
+from uqfold.report.clouds import (
+    Cloud,
+    cost_limits,
+    error_clouds,
+    error_limits,
+    side_steps,
+)
 from uqfold.report.style import (
     BAND_COLOR,
     MethodStyle,
@@ -18,30 +22,12 @@ from uqfold.report.style import (
     method_styles,
 )
 from uqfold.report.wording import finite, reference_resolution
-from uqfold.typing import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SIZE_INCHES = (7.0, 4.6)
-SIDE_STEP = 0.03
-"""Distance between methods of nearly equal cost, as a part of the axis."""
-
-
-@dataclass(frozen=True)
-class _Cloud:
-    """Errors of one method: cost (n,), error (n,), and whether the reference can judge it (n,)."""
-
-    label: str
-    n_evals: FloatArray
-    error: FloatArray
-    judged: BoolArray
-
-    @property
-    def cost(self) -> float:
-        """Median cost of a criterion."""
-        return float(np.median(self.n_evals))
 
 
 @figure_settings()
@@ -64,17 +50,17 @@ def error_against_evaluations(records: Records) -> Figure | None:
     """
     from matplotlib.figure import Figure
 
-    clouds = _clouds(records)
+    clouds = error_clouds(records)
     if not clouds:
         return None
     styles = method_styles(records.finished)
     figure = Figure(figsize=SIZE_INCHES, layout="constrained")
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log")
-    low, high = _error_limits(clouds)
-    left, right = _cost_limits(clouds)
+    low, high = error_limits(clouds)
+    left, right = cost_limits(clouds)
     axes.set(xlim=(left, right), ylim=(low, high))
-    steps = _side_steps(clouds, left, right)
+    steps = side_steps(clouds, left, right)
     for cloud in clouds:
         _draw(axes, cloud, styles[cloud.label], steps[cloud.label], low)
     _format_ticks(axes)
@@ -87,50 +73,7 @@ def error_against_evaluations(records: Records) -> Figure | None:
     return figure
 
 
-def _clouds(records: Records) -> list[_Cloud]:
-    clouds = []
-    for label in records.finished:
-        own = [
-            row for row in records.rows if row["label"] == label and not math.isnan(row["error"])
-        ]
-        if own:
-            clouds.append(
-                _Cloud(
-                    label,
-                    np.array([max(row["n_evals_row"], 1) for row in own], dtype=np.float64),
-                    np.array([row["error"] for row in own]),
-                    np.array([row["error"] > reference_resolution(row) for row in own]),
-                )
-            )
-    return clouds
-
-
-def _side_steps(clouds: Sequence[_Cloud], left: float, right: float) -> dict[str, float]:
-    """Give the factor on the cost by which each method is moved aside from its neighbours."""
-    step = (right / left) ** SIDE_STEP
-    ordered = sorted(clouds, key=lambda cloud: cloud.cost)
-    groups = [[ordered[0]]]
-    for before, cloud in pairwise(ordered):
-        if cloud.cost < step * before.cost:
-            groups[-1].append(cloud)
-        else:
-            groups.append([cloud])
-    return {
-        cloud.label: step ** (i - (len(group) - 1) / 2)
-        for group in groups
-        for i, cloud in enumerate(group)
-    }
-
-
-def _error_limits(clouds: Sequence[_Cloud]) -> tuple[float, float]:
-    errors = np.concatenate([cloud.error for cloud in clouds])
-    positive = errors[errors > 0.0]
-    if positive.size == 0:
-        return 1e-6, 1.0
-    return float(positive.min()) / 2.0, max(float(positive.max()) * 2.0, 0.02)
-
-
-def _draw(axes: Axes, cloud: _Cloud, style: MethodStyle, step: float, low: float) -> None:
+def _draw(axes: Axes, cloud: Cloud, style: MethodStyle, step: float, low: float) -> None:
     # an error of exactly zero is drawn on the lower edge
     x, y = step * cloud.n_evals, np.maximum(cloud.error, low)
     for judged in (True, False):
@@ -158,14 +101,6 @@ def _draw(axes: Axes, cloud: _Cloud, style: MethodStyle, step: float, low: float
     )
 
 
-def _cost_limits(clouds: Sequence[_Cloud]) -> tuple[float, float]:
-    costs = np.concatenate([cloud.n_evals for cloud in clouds])
-    left, right = float(costs.min()) / 2.0, float(costs.max()) * 2.0
-    while right / left < 30.0:
-        left, right = left / 1.5, right * 1.5
-    return left, right
-
-
 def _format_ticks(axes: Axes) -> None:
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
@@ -189,7 +124,7 @@ def _draw_resolution(axes: Axes, records: Records, low: float) -> None:
 
 
 def _add_legend(
-    figure: Figure, axes: Axes, clouds: Sequence[_Cloud], styles: Mapping[str, MethodStyle]
+    figure: Figure, axes: Axes, clouds: Sequence[Cloud], styles: Mapping[str, MethodStyle]
 ) -> None:
     from matplotlib.artist import Artist
     from matplotlib.lines import Line2D

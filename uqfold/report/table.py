@@ -24,6 +24,8 @@ from uqfold.report.wording import (
     finite,
     percent,
     reference_resolution,
+    remark,
+    remarks,
     scientific,
     seconds_text,
 )
@@ -57,7 +59,7 @@ class ComparisonTable:
         from uqfold.report.layout import line
 
         width = options.max_width
-        notes = _notes(self.records.rows)
+        notes = remarks(self.records.rows)
         yield line(_title(self.records), "bold")
         yield line("")
         yield from _criteria_lines(self.records, notes, width)
@@ -132,7 +134,7 @@ def _cells(row: Row, notes: Mapping[tuple[str, str], int], full: bool) -> list[C
 
     status = str(row["status"])
     shown = status if full else _SHORT_STATUS.get(status, status)
-    number = notes.get((row["label"], _note(row)))
+    number = notes.get((row["label"], remark(row)))
     within = row["error"] <= reference_resolution(row)
     return [
         Cell(f"  {row['label']}"),
@@ -162,22 +164,6 @@ def _interval(row: Row, full: bool) -> str:
     if not math.isnan(row["std_error"]):
         return f"± {scientific(row['std_error'], 2)}"
     return str(row["error_kind"])
-
-
-def _note(row: Row) -> str:
-    """Give what the method says about a row that did not converge; empty if nothing."""
-    if row["status"] == "converged":
-        return ""
-    if row["pf_low"] < row["pf_high"]:
-        bounds = " to ".join(scientific(row[end], 3) for end in ("pf_low", "pf_high"))
-        return f"{row['message']}; with the failed runs pf may be {bounds}"
-    return str(row["message"])
-
-
-def _notes(rows: Sequence[Row]) -> dict[tuple[str, str], int]:
-    """Give each footnote its number; the same words of the same method are one footnote."""
-    said = dict.fromkeys((row["label"], _note(row)) for row in rows if _note(row))
-    return {key: number for number, key in enumerate(said, start=1)}
 
 
 def _summary_lines(records: Records, width: int) -> Iterator[Text]:

@@ -56,6 +56,16 @@ def scientific(value: float, digits: int) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
+def probability(value: float, digits: int) -> str:
+    """Write a probability with that many significant digits: ``0.0123``, or ``1.23e-4``.
+
+    Plain decimals down to 0.001 and short of 1, where rounding would not hide the difference.
+    """
+    if 1e-3 <= value <= 1.0 - 0.5 * 10.0 ** (-digits):
+        return f"{value:.{digits - 1 - math.floor(math.log10(value))}f}"
+    return scientific(value, digits)
+
+
 def percent(value: float) -> str:
     """Write a relative error in percent, with two or three significant digits.
 
@@ -105,3 +115,19 @@ def reference_resolution(row: Row) -> float:
 def finite(values: Iterable[float]) -> list[float]:
     """Give the finite ones among some numbers."""
     return [value for value in values if math.isfinite(value)]
+
+
+def remark(row: Row) -> str:
+    """Give what a method says about a row that did not converge; empty if nothing."""
+    if row["status"] == "converged":
+        return ""
+    if row["pf_low"] < row["pf_high"]:
+        bounds = " to ".join(scientific(row[end], 3) for end in ("pf_low", "pf_high"))
+        return f"{row['message']}; with the failed runs pf may be {bounds}"
+    return str(row["message"])
+
+
+def remarks(rows: Iterable[Row]) -> dict[tuple[str, str], int]:
+    """Number the remarks by label and words; the same words of the same method are one."""
+    said = dict.fromkeys((row["label"], remark(row)) for row in rows if remark(row))
+    return {key: number for number, key in enumerate(said, start=1)}

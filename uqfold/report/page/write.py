@@ -1,0 +1,64 @@
+"""Writing a page to a file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Literal, TypeAlias, get_args
+
+from uqfold.comparison.records import replacing
+from uqfold.report.page.blocks import Page
+
+Format: TypeAlias = Literal["html", "md"]
+
+
+def page_format(path: str | os.PathLike[str], given: str | None = None) -> Format:
+    """Give the format of a page: the one asked for, or that of the file's suffix.
+
+    Raises
+    ------
+    ValueError
+        If it is neither ``html`` nor ``md``.
+    """
+    asked = Path(path).suffix.lower().lstrip(".") if given is None else given
+    for known in get_args(Format):
+        if asked == known:
+            return known  # type: ignore[no-any-return]
+    raise ValueError(f"format {asked!r}: choose from {', '.join(get_args(Format))}")
+
+
+def write_page(page: Page, path: str | os.PathLike[str], format: str | None = None) -> list[Path]:
+    """Write a page as HTML or Markdown; each file appears whole or not at all.
+
+    Parameters
+    ----------
+    page
+        The page.
+    path
+        Where to; its folder is made if it is missing.
+    format
+        ``html`` or ``md``; None: as the suffix says.
+
+    Returns
+    -------
+    list[pathlib.Path]
+        The file, and behind it the pictures that Markdown needs beside it.
+    """
+    file = Path(path)
+    if page_format(file, format) == "html":
+        from uqfold.report.page.html import page_html
+
+        texts = {file.name: page_html(page)}
+    else:
+        from uqfold.report.page.markdown import page_markdown
+
+        texts = page_markdown(page, file.stem)
+        texts = {file.name: texts.pop(""), **texts}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, text in texts.items():
+        target = file.parent / name
+        with replacing(target) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="")
+        written.append(target)
+    return written
