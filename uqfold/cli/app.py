@@ -14,6 +14,7 @@ import typer
 import uqfold
 from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.invocation import Invocation, usage
+from uqfold.cli.report import REPORT_HELP, report_command
 from uqfold.cli.study import study_app
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
 from uqfold.comparison.cases import available_cases, named_case
@@ -33,6 +34,7 @@ Examples:
   uqfold compare folding-wing
   uqfold compare --help
   uqfold validate --quick
+  uqfold report uqfold-results/folding-wing
   uqfold methods
   uqfold study list
 """
@@ -236,5 +238,6 @@ def list_methods() -> None:
         typer.echo(f"{name:<{width}}  {method.title}".rstrip())
 
 
+app.command(name="report", help=REPORT_HELP)(report_command)
 app.add_typer(study_app)
 app.command(name="validate", help=VALIDATE_HELP)(validate_cases)

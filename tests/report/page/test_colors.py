@@ -1,0 +1,29 @@
+"""Colours that can be told from the paper."""
+
+import pytest
+
+from uqfold.report.page.colors import DARK_PAPER, LEAST_CONTRAST, LIGHT_PAPER, contrast, readable
+from uqfold.report.style import method_styles
+
+
+def channels(color: str) -> tuple[float, ...]:
+    return tuple(int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+
+
+@pytest.mark.parametrize("paper", [LIGHT_PAPER, DARK_PAPER])
+def test_every_method_can_be_told_from_the_paper_and_from_the_others(paper: str) -> None:
+    labels = ["ffni-spa", "ffni-pearson", "mc", "openturns-form", "openturns-mc", *"abcdef"]
+    shown = [readable(style.color, paper) for style in method_styles(labels).values()]
+    assert len(set(shown)) == len(labels)
+    for color in shown:
+        assert contrast(channels(color), channels(paper)) >= LEAST_CONTRAST - 0.05
+
+
+def test_black_and_white_are_as_far_apart_as_can_be() -> None:
+    assert contrast((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)) == pytest.approx(21.0)
+
+
+@pytest.mark.parametrize("color", ["red", "#12345", "#1234567", "#12345g", "url(x)", ""])
+def test_what_is_no_colour_is_refused(color: str) -> None:
+    with pytest.raises(ValueError, match="is no colour"):
+        readable(color, LIGHT_PAPER)

@@ -1,0 +1,106 @@
+"""How methods are judged, and what the first screen says of them."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from tests.comparison.fakes import METHODS, Told, toy_records
+from uqfold.comparison import Records
+from uqfold.methods import ReliabilityMethod
+from uqfold.problems.criterion import criteria
+from uqfold.report.judgement import Judgement, judgements, spreads
+from uqfold.report.page.blocks import Card, Cards, plain
+from uqfold.report.summary import summary_blocks
+
+
+@pytest.fixture(scope="module")
+def records() -> Records:
+    return toy_records()
+
+
+def judged(records: Records) -> dict[str, Judgement]:
+    return {one.label: one for one in judgements(records)}
+
+
+def cards(methods: dict[str, ReliabilityMethod], *, referenced: bool = True) -> dict[str, Card]:
+    found = toy_records(criteria([12.0, 13.0]), methods, referenced=referenced)
+    block = summary_blocks(found)[0]
+    assert isinstance(block, Cards)
+    return {card.title: card for card in block.cards}
+
+
+def test_counts_errors_and_costs(records: Records) -> None:
+    found = judged(records)
+    exact, biased, broken = found["exact"], found["biased"], found["broken"]
+    assert (exact.right, exact.referenced, exact.always_right) == (12, 12, True)
+    assert (biased.right, biased.answered, biased.asked) == (0, 6, 12)
+    assert biased.median_error == pytest.approx(0.2)
+    assert not biased.always_right
+    assert (broken.answered, broken.statuses["failed"], broken.n_evals) == (0, 12, 0)
+    assert math.isnan(broken.median_error)
+    assert (exact.intervals, found["sampled"].intervals) == (0, 12)
+
+
+@pytest.mark.parametrize(("bias", "right"), [(0.0999, 1), (0.1001, 0), (-0.0999, 1), (-0.11, 0)])
+def test_right_is_within_ten_percent(bias: float, right: int) -> None:
+    records = toy_records(criteria(12.0), {"one": Told(bias=bias)})
+    assert judged(records)["one"].right == right
+
+
+def test_a_reference_that_cannot_tell_condemns_nobody() -> None:
+    records = toy_records(criteria(12.0), {"one": Told(bias=0.3)})
+    (row,) = records.rows
+    vague = {**row, "reference_std_error": 0.2 * row["reference_pf"]}
+    assert judged(replace(records, rows=(vague,)))["one"].right == 1
+
+
+def test_an_interval_covers_within_what_the_reference_knows() -> None:
+    records = toy_records(criteria(12.0), {"sampled": METHODS["sampled"]})
+    (row,) = records.rows
+    pf, error = row["reference_pf"], row["reference_std_error"]
+    near = {**row, "ci_low": pf + 1.9 * error, "ci_high": 1.0}
+    beyond = {**row, "ci_low": pf + 2.1 * error, "ci_high": 1.0}
+    assert judged(replace(records, rows=(near,)))["sampled"].covering == 1
+    assert judged(replace(records, rows=(beyond,)))["sampled"].covering == 0
+
+
+def test_the_cheapest_of_the_right_ones_is_named() -> None:
+    found = cards({"dear": Told(n=4000), "cheap": Told(n=50), "wrong": Told(n=10, bias=0.5)})
+    assert plain(found["Who was right?"].answer) == "cheap and dear"
+    assert found["Who was right?"].tone == "good"
+    assert plain(found["At what cost?"].answer) == "50 evaluations"
+    assert plain(found["What failed?"].answer) == "Nothing"
+
+
+def test_nobody_right_is_said() -> None:
+    found = cards({"wrong": Told(bias=0.5), "broken": METHODS["broken"]})
+    assert plain(found["Who was right?"].answer) == "Nobody"
+    assert plain(found["What failed?"].answer) == "2 of 4 failed"
+    assert found["What failed?"].tone == "bad"
+    assert "Concerns broken." in map(plain, found["What failed?"].more)
+
+
+def test_without_a_reference_agreement_is_told_and_not_called_right() -> None:
+    found = cards({"one": Told(), "other": Told(bias=0.25)}, referenced=False)
+    card = found["Do the methods agree?"]
+    assert plain(card.answer) == "To within 25.0 %"
+    assert card.tone == "warn"
+    assert "nobody knows here who is right" in plain(card.more[-1])
+    assert "right" not in plain(found["At what cost?"].more[0])
+    records = toy_records(criteria(12.0), {"one": Told(), "other": Told(bias=0.25)})
+    assert spreads(records) == [pytest.approx(0.25)]
+
+
+def test_without_any_answer_nothing_is_praised() -> None:
+    found = cards({"broken": METHODS["broken"]})
+    assert plain(found["At what cost?"].answer) == "No answer at any cost"
+    assert {card.tone for card in found.values()} == {"bad"}
+
+
+def test_what_is_not_supported_is_no_failure() -> None:
+    records = toy_records(methods={"biased": METHODS["biased"]})
+    block = summary_blocks(records)[0]
+    assert isinstance(block, Cards)
+    assert plain(block.cards[2].answer) == "Nothing"
+    assert plain(block.cards[2].more[0]) == "6 of 12 answers are outside what a method can do."

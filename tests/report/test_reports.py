@@ -1,0 +1,217 @@
+"""The report on a comparison, from records, frames and folders."""
+
+import json
+import math
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import uqfold
+from tests.comparison.fakes import GRID, METHODS, Told, toy_records
+from tests.report.page.reading import Element, read
+from uqfold.comparison import Records, RecordsError, write_records
+from uqfold.problems.criterion import Binomial, criteria
+from uqfold.report import report_page, write_report
+from uqfold.report.methods_section import parsed_settings
+from uqfold.report.page import page_html
+
+HOSTILE = "</script><script>stolen()</script><img src=x onerror=stolen()>"
+
+
+@pytest.fixture(scope="module")
+def records() -> Records:
+    return toy_records()
+
+
+@pytest.fixture(scope="module")
+def root(records: Records) -> Element:
+    return read(page_html(report_page(records)))
+
+
+def section(root: Element, anchor: str) -> Element:
+    (found,) = [one for one in root.all("section") if one.attributes.get("id") == anchor]
+    return found
+
+
+def cells(root: Element, anchor: str) -> list[list[str]]:
+    body = section(root, anchor).all("tbody")[0]
+    return [[cell.text.strip() for cell in row.children] for row in body.all("tr")]
+
+
+def test_every_row_of_the_records_is_in_the_table(records: Records, root: Element) -> None:
+    rows = cells(root, "all-answers")
+    assert len(rows) == len(records.rows)
+    for shown, row in zip(rows, records.rows, strict=True):
+        assert shown[0] == row["label"]
+        assert float(shown[1]) == row["threshold"]
+        assert (shown[4] == "-") == math.isnan(row["pf"])
+        assert row["status"].replace("_", " ") in shown
+
+
+def test_what_methods_say_is_said_once(root: Element) -> None:
+    said = [row[-1] for row in cells(root, "remarks")]
+    assert said.count("ArithmeticError: a pole [at zero]") == 1
+    assert said.count("told not to answer tau") == 1
+
+
+def test_curves_hold_every_answer_on_both_axes(records: Records, root: Element) -> None:
+    groups = [one for one in section(root, "curves").all("g") if one.attributes.get("data-key", "")]
+    points = [path for group in groups for path in group.all("path") if path.all("title")]
+    told = [point.all("title")[0].text for point in points]
+    for row in records.rows:
+        where = f"T = {row['threshold']:g} mm, "
+        own = [text for text in told if text.startswith(where)]
+        assert own
+    answers = sum(not math.isnan(row["pf"]) for row in records.rows)
+    # each on two axes, and so is the reference
+    assert len(points) == 2 * (answers + len(GRID))
+
+
+def test_the_methods_section_says_what_was_run(root: Element) -> None:
+    text = " ".join(section(root, "methods").text.split())
+    assert "toy: 3 units, all of which must work" in text
+    assert "Normal(mu = 0, sigma = 1)" in text
+    assert "binomial(3, 0.7)" in text
+    assert "5,000 evaluations" in text
+    assert "Quadrature." in text
+    assert "Knows the answer, and errs as told." in text
+    assert "Somebody. How to answer as told. 2020." in text
+    assert "Eq. (37)" in text
+    assert "synchronized" in text
+    assert len(section(root, "methods").all("math")) >= 5
+    again = " ".join(section(root, "reproduction").text.split())
+    assert "uqfold compare toy" in again
+    assert f"uqfold {uqfold.__version__}" in again
+
+
+def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
+    frame = uqfold.compare(uqfold.problems.series(), ["ffni-spa", "ffni-pearson"])
+    (path,) = uqfold.report.write_report(frame, tmp_path / "deep" / "report.html")
+    root = read(path.read_text(encoding="utf-8"))
+    assert "nodes_individual" in section(root, "methods").text
+    assert "Lugannani" in section(root, "references").text
+
+
+def test_folder_records_and_frame_give_one_report(records: Records, tmp_path: Path) -> None:
+    write_records(records, tmp_path)
+    from_folder = page_html(report_page(tmp_path))
+    assert from_folder == page_html(report_page(records))
+    assert from_folder == page_html(report_page(records.to_frame()))
+
+
+def test_a_frame_without_its_header_still_gives_a_report(records: Records) -> None:
+    frame = records.to_frame()
+    frame.attrs.clear()
+    root = read(page_html(report_page(frame)))
+    assert "not recorded" in section(root, "methods").text
+    assert len(cells(root, "all-answers")) == len(records.rows)
+
+
+def spoiled(value: Any) -> Any:
+    """Put markup into every text of a JSON document that may hold any text."""
+    if isinstance(value, dict):
+        kept = ("schema", "missions", "status", "error_kind", "label")
+        return {k: v if k in kept else spoiled(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [spoiled(one) for one in value]
+    return f"{value}{HOSTILE}" if isinstance(value, str) and value not in ("inf", "-inf") else value
+
+
+def test_records_full_of_markup_give_a_report_full_of_text(
+    records: Records, tmp_path: Path
+) -> None:
+    _, path = write_records(records, tmp_path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    columns = document["columns"]
+    document = spoiled(document)
+    document["columns"] = columns
+    for entry in [*document["methods"], *document["rows"]]:
+        entry["label"] += HOSTILE
+    path.write_text(json.dumps(document), encoding="utf-8")
+    root = read(page_html(report_page(path)))
+    assert root.text.count(HOSTILE) > 100
+    assert len(root.all("script")) == 1
+    assert root.all("img") == []
+    (report, *_) = write_report(path, tmp_path / "report.md")
+    # within code Markdown knows no markup
+    outside = re.sub(r"(?s)(`+).*?\1", "", report.read_text(encoding="utf-8"))
+    assert "stolen" in outside
+    assert "<script" not in outside
+
+
+def test_nothing_that_records_name_is_imported(records: Records, tmp_path: Path) -> None:
+    header = records.header
+    named = tuple(
+        replace(entry, method="antigravity", settings="this.that(import='antigravity')")
+        for entry in header.methods
+    )
+    rows = tuple({**row, "method": "antigravity"} for row in records.rows)
+    write_records(Records(replace(header, methods=named), rows), tmp_path)
+    code = (
+        "import sys, uqfold.report\n"
+        f"uqfold.report.write_report({str(tmp_path)!r}, {str(tmp_path / 'r.html')!r})\n"
+        "print([m for m in sys.modules if m in ('antigravity', 'this', 'numba', 'openturns')\n"
+        "       or m.startswith('uqfold.methods.openturns')])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+    )
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("grid", "methods"),
+    [
+        (criteria(12.0), {"exact": Told(), "broken": METHODS["broken"]}),
+        (criteria(12.0, missions=[1, Binomial(3, 0.7)]), {"sampled": METHODS["sampled"]}),
+        (criteria([11.0, 12.0]), {"broken": METHODS["broken"]}),
+        (criteria([-math.inf, 12.0, math.inf], tau=[None, 0.0]), {"broken": METHODS["broken"]}),
+        (criteria([12.0, 13.0, 14.0, 15.0, 16.0]), {f"told-{i}": Told(bias=0.1 * i)
+                                                    for i in range(8)}),
+    ],
+    ids=["one threshold", "one method", "no answer", "infinite thresholds", "eight methods"],
+)  # fmt: skip
+@pytest.mark.parametrize("referenced", [True, False])
+def test_reports_of_unusual_comparisons(grid: Any, methods: Any, referenced: bool) -> None:
+    finite = all(math.isfinite(one.threshold) for one in grid)
+    records = toy_records(grid, methods, referenced=referenced and finite)
+    root = read(page_html(report_page(records)))
+    assert len(cells(root, "all-answers")) == len(records.rows)
+    assert not re.search(r"(?<![\w-])nan(?!\w)", root.all("main")[0].text)
+
+
+def test_an_interrupted_comparison_says_what_is_missing(records: Records) -> None:
+    rows = tuple(row for row in records.rows if row["label"] in ("exact", "biased"))
+    text = page_html(report_page(Records(records.header, rows)))
+    assert "Interrupted: no rows of sampled, broken." in text
+    assert "No method has finished" in page_html(report_page(Records(records.header, ())))
+
+
+def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "comparison.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(RecordsError, match="no readable record"):
+        report_page(tmp_path)
+    with pytest.raises(ValueError, match="choose from html, md"):
+        write_report(toy_records(), tmp_path / "report.pdf")
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Name()", ("Name", [])),
+        ("Name(a=(1, 2), b='x, y')", ("Name", [("a", "(1, 2)"), ("b", "'x, y'")])),
+        ("Name(1)", None),
+        ("Name(**{})", None),
+        ("module.Name(a=1)", None),
+        ("Name(a=1", None),
+        ("(" * 500, None),
+        ("", None),
+    ],
+)
+def test_settings_are_taken_apart_but_not_evaluated(text: str, found: Any) -> None:
+    assert parsed_settings(text) == found

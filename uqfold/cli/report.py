@@ -1,0 +1,54 @@
+"""The command that turns records into a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+REPORT_HELP = """Write the report on records: one HTML file that needs nothing else, or Markdown.
+
+RUN_DIR is a folder that `uqfold compare` or `uqfold validate` has written. No model is run. The
+HTML file can be sent, printed, and read without a network; Markdown has its charts beside it.
+
+\b
+Examples:
+  uqfold report uqfold-results/folding-wing
+  uqfold report uqfold-results/folding-wing --out wing.html
+  uqfold report uqfold-results/folding-wing --format md
+"""
+
+
+def report_command(
+    run_dir: Annotated[
+        Path, typer.Argument(metavar="RUN_DIR", help="Folder, or file, with records.")
+    ],
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Where to write. Default: report.html in RUN_DIR."),
+    ] = None,
+    format: Annotated[
+        str | None,
+        typer.Option(metavar="FORMAT", help="html or md. Default: as FILE is called, or html."),
+    ] = None,
+) -> None:
+    """Write a report."""
+    from uqfold.cli.compare import shown_path
+    from uqfold.report.page.write import page_format, write_page
+    from uqfold.report.reports import STEM, report_page
+
+    try:
+        if out is None:
+            form = "html" if format is None else page_format("", format)
+            out = (run_dir if run_dir.is_dir() else run_dir.parent) / f"{STEM}.{form}"
+        form = page_format(out, format)
+        written = write_page(report_page(run_dir), out, form)
+    except OSError as error:
+        where = error.filename or run_dir
+        raise typer.BadParameter(f"{shown_path(Path(where))}: {error.strerror}") from error
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+    pictures = f" and {len(written) - 1} pictures beside it" if len(written) > 1 else ""
+    typer.echo(f"written: {shown_path(written[0])}{pictures}")
