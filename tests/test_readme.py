@@ -13,7 +13,8 @@ PAGES = [
     "README.md",
     "docs/evaluation.md",
     "docs/mechanism.md",
-    "docs/records.md", "docs/reports.md",
+    "docs/records.md",
+    "docs/reports.md",
     "docs/studies.md",
 ]
 

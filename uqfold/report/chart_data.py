@@ -11,7 +11,7 @@ import numpy as np
 from uqfold.comparison.columns import Row
 from uqfold.comparison.records import Records
 from uqfold.report.clouds import Cloud, cost_limits, error_clouds, error_limits, side_steps
-from uqfold.report.curves import SMALLEST_PF
+from uqfold.report.drawing import SMALLEST_PF
 from uqfold.report.page.blocks import Figure, View
 from uqfold.report.page.chart import Axis, Band, Chart, Key, Point, Series
 from uqfold.report.style import method_styles
