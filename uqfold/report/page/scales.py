@@ -8,6 +8,10 @@ from dataclasses import dataclass
 
 from uqfold.report.page.chart import Scale
 
+LARGEST = 1e280
+"""Numbers beyond have no place on a scale."""
+SMALLEST = 1e-280
+"""Numbers below have no place on a logarithmic scale."""
 _MOST_DECADES = 7
 _SUBDIVIDED_DECADES = 2.2
 """A logarithmic axis shorter than this many decades also has ticks at 2 and 5."""
@@ -35,7 +39,9 @@ class Line:
             return (value - self.low) / (self.high - self.low)
         if not value > 0.0:
             return math.nan
-        return math.log(value / self.low) / math.log(self.high / self.low)
+        # differences of logarithms: the ratio of the ends may be no number
+        low = math.log(self.low)
+        return (math.log(value) - low) / (math.log(self.high) - low)
 
     def ticks(self, most: int = 6) -> list[float]:
         """Give round values between the ends, about `most` of them."""
@@ -45,7 +51,7 @@ class Line:
 
     def _decades(self, most: int) -> list[float]:
         first, last = math.floor(math.log10(self.low)), math.ceil(math.log10(self.high))
-        if math.log10(self.high / self.low) < _SUBDIVIDED_DECADES:
+        if math.log10(self.high) - math.log10(self.low) < _SUBDIVIDED_DECADES:
             found = [
                 float(f"{digit}e{decade}")
                 for decade in range(first, last + 1)
@@ -74,21 +80,22 @@ def _round_steps(line: Line, most: int) -> list[float]:
 def line_around(values: Iterable[float], scale: Scale, *, margin: float = 0.05) -> Line:
     """Give the scale that shows all finite values, with some room at the ends.
 
-    Values that a logarithmic scale cannot show are left out; without any value the scale goes
-    from 0 to 1, or from 0.1 to 1.
+    Values that the scale cannot show are left out: those beyond `LARGEST`, and on a logarithmic
+    scale those below `SMALLEST`. Without any value it goes from 0 to 1, or from 0.1 to 1.
     """
-    shown = [v for v in values if math.isfinite(v) and (scale == "linear" or v > 0.0)]
+    shown = [v for v in values if abs(v) <= LARGEST and (scale == "linear" or v >= SMALLEST)]
     if not shown:
         return Line(0.1, 1.0, "log") if scale == "log" else Line(0.0, 1.0)
     low, high = min(shown), max(shown)
     if scale == "log":
-        room = max((high / low) ** margin, 1.15)
-        # the logarithm of the ratio must stay a number
-        return Line(max(low / room, 5e-324), min(high * room, 1.7e308), "log")
-    room = margin * (high - low) or 0.05 * abs(high) or 1.0
-    if not math.isfinite(high - low):
-        return Line(low / 2.0, high / 2.0)
-    return Line(low - room, high + room)
+        room = max(math.exp(margin * (math.log(high) - math.log(low))), 1.15)
+        return Line(low / room, high * room, "log")
+    size = max(abs(low), abs(high))
+    room = margin * (high - low)
+    if not room > 1e-9 * size:
+        room = 0.05 * size
+    # what differs by less than this is drawn on one spot
+    return Line(low - max(room, SMALLEST), high + max(room, SMALLEST))
 
 
 def tick_texts(ticks: Sequence[float], *, percent: bool = False) -> list[str]:
