@@ -7,26 +7,52 @@ from uqfold.lazy import lazy_exports
 if TYPE_CHECKING:
     from uqfold.analysis.derivatives_by_simulation import score_derivatives
     from uqfold.analysis.derivatives_by_surface import surface_derivatives
+    from uqfold.analysis.design import Design, Scan, Verification, verify
+    from uqfold.analysis.designed_input import design_input
+    from uqfold.analysis.designed_threshold import design_threshold, design_thresholds
     from uqfold.analysis.fitted_surface import NoSurfaceError
     from uqfold.analysis.pf_derivatives import InputParameter, PfDerivative, PfDerivatives
+    from uqfold.analysis.sobol import SobolIndex, SobolIndices, chaos_sobol, pick_freeze
 
 __all__ = [
+    "Design",
     "InputParameter",
     "NoSurfaceError",
     "PfDerivative",
     "PfDerivatives",
+    "Scan",
+    "SobolIndex",
+    "SobolIndices",
+    "Verification",
+    "chaos_sobol",
+    "design_input",
+    "design_threshold",
+    "design_thresholds",
+    "pick_freeze",
     "score_derivatives",
     "surface_derivatives",
+    "verify",
 ]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
     globals(),
     {
+        "Design": "uqfold.analysis.design",
+        "Scan": "uqfold.analysis.design",
+        "Verification": "uqfold.analysis.design",
+        "verify": "uqfold.analysis.design",
+        "design_input": "uqfold.analysis.designed_input",
+        "design_threshold": "uqfold.analysis.designed_threshold",
+        "design_thresholds": "uqfold.analysis.designed_threshold",
         "InputParameter": "uqfold.analysis.pf_derivatives",
         "NoSurfaceError": "uqfold.analysis.fitted_surface",
         "PfDerivative": "uqfold.analysis.pf_derivatives",
         "PfDerivatives": "uqfold.analysis.pf_derivatives",
+        "SobolIndex": "uqfold.analysis.sobol",
+        "SobolIndices": "uqfold.analysis.sobol",
+        "chaos_sobol": "uqfold.analysis.sobol",
+        "pick_freeze": "uqfold.analysis.sobol",
         "score_derivatives": "uqfold.analysis.derivatives_by_simulation",
         "surface_derivatives": "uqfold.analysis.derivatives_by_surface",
     },

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from uqfold.analysis.affordable import check_affordable
 from uqfold.analysis.pf_derivatives import (
     Differentiated,
     PfDerivatives,
@@ -80,7 +81,7 @@ def score_derivatives(
     ValueError, TypeError
         For wrong arguments, or where an input has no score function.
     BudgetExceededError
-        If the systems cost more than `max_evals`; none is run then.
+        If the systems may cost more than `max_evals`; none is run then.
     """
     started = time.perf_counter()
     if not problem.exchangeable or not isinstance(problem.structure, Series):
@@ -95,6 +96,7 @@ def score_derivatives(
     session = settings.open(problem, checked_budget(max_evals))
     most = systems * problem.n_units * max(c.max_missions for c in asked)
     session.expected = most
+    check_affordable(session, most)
     drawn: deque[SystemBlock] = deque()
 
     def rows() -> Iterator[FloatArray]:

@@ -1,0 +1,316 @@
+"""What a design for a target reliability is: its value, its interval, and how it is verified.
+
+A design value is where pf crosses the target. The interval of pf at every value that was looked at
+gives three curves; where they cross the target are the value and the ends of its interval.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from uqfold.evaluation import Evaluator
+from uqfold.methods.monte_carlo import MonteCarlo
+from uqfold.methods.result import NO_ANSWER, CriterionResult, reliability_index
+from uqfold.methods.seeding import RandomSource
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.typing import FloatArray
+
+Seek: TypeAlias = Literal["smallest", "largest"]
+DesignStatus: TypeAlias = Literal["found", "doubtful", "met everywhere", "met nowhere", "failed"]
+Meets: TypeAlias = Literal["yes", "no", "undecided"]
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Failure probability over the values of a design parameter.
+
+    Attributes
+    ----------
+    values
+        Values (n,), increasing.
+    pf, low, high
+        pf there (n,) and its interval; the interval is NaN where a method states none.
+    notes
+        For each value why pf there is doubtful or missing, or an empty text.
+    """
+
+    values: FloatArray
+    pf: FloatArray
+    low: FloatArray
+    high: FloatArray
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, values: Sequence[float], rows: Sequence[CriterionResult]) -> Scan:
+        """Gather the answers of a method."""
+        return cls(
+            np.array(values, dtype=float),
+            np.array([row.pf for row in rows]),
+            np.array([row.ci_low for row in rows]),
+            np.array([row.ci_high for row in rows]),
+            tuple(
+                row.message or row.status
+                if row.status in NO_ANSWER or row.status == "doubtful"
+                else ""
+                for row in rows
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The value of one parameter at which pf meets a target.
+
+    Attributes
+    ----------
+    parameter, unit
+        What is designed, and its unit.
+    target_pf
+        The failure probability to be met: pf <= target.
+    seek
+        Whether it is the smallest or the largest value that meets it.
+    between
+        Range that was looked at.
+    status
+        ``found``; ``doubtful`` (found, but the answers next to it are not trusted); ``met
+        everywhere`` and ``met nowhere`` (in the range: there is no value to give); ``failed``.
+    message
+        What a reader has to know besides.
+    value
+        Best estimate; NaN without one.
+    low, high
+        Interval of 95 % that the error of the method leaves; NaN for an end outside the range,
+        or where the method states no error.
+    scan
+        pf over the range.
+    criterion
+        The criterion; where the threshold is designed, its tau and missions.
+    place
+        Gives problem and criterion with the parameter at a value.
+    method, n_evals, n_reused, seconds, seed
+        Who says so, at what cost.
+    """
+
+    parameter: str
+    unit: str
+    target_pf: float
+    seek: Seek
+    between: tuple[float, float]
+    status: DesignStatus
+    message: str
+    value: float
+    low: float
+    high: float
+    scan: Scan
+    criterion: Criterion
+    method: str
+    n_evals: int
+    n_reused: int
+    seconds: float
+    seed: int
+    place: Callable[[float], tuple[Problem, Criterion]]
+
+    @property
+    def safe(self) -> float:
+        """The end of the interval at which the target is met with 97.5 % confidence."""
+        return self.high if self.seek == "smallest" else self.low
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Simulation of the real model at a design value.
+
+    Attributes
+    ----------
+    value
+        The value.
+    pf, ci_low, ci_high
+        pf by Monte Carlo, with the interval of Clopper and Pearson at 95 %.
+    meets
+        Whether the target is met: ``yes`` and ``no`` where the whole interval lies on one side.
+    agrees
+        Whether the interval meets the one that the design states at this value.
+    n_systems, n_evals, seconds, seed
+        Size and cost.
+    """
+
+    value: float
+    pf: float
+    ci_low: float
+    ci_high: float
+    meets: Meets
+    agrees: bool
+    n_systems: int
+    n_evals: int
+    seconds: float
+    seed: int
+
+
+def check_target(target_pf: float, between: tuple[float, float]) -> tuple[float, float]:
+    """Check target and range; gives the range.
+
+    Raises
+    ------
+    ValueError
+        If the target is no probability inside (0, 1), or the range is empty or not finite.
+    """
+    if not 0.0 < target_pf < 1.0:
+        raise ValueError(f"target_pf = {target_pf}: give a probability inside (0, 1)")
+    low, high = float(between[0]), float(between[1])
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise ValueError(f"between = {between}: give two finite numbers, the smaller one first")
+    return low, high
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a curve crosses the target: the value, NaN if it does not, and why."""
+
+    value: float
+    status: DesignStatus
+    message: str
+    cell: tuple[int, int]
+
+
+def crossing(values: FloatArray, pf: FloatArray, target_pf: float, seek: Seek) -> Crossing:
+    """Find the smallest or the largest value from which on pf meets the target.
+
+    Parameters
+    ----------
+    values
+        Values (n,), increasing.
+    pf
+        pf there (n,), finite.
+    target_pf, seek
+        See `Design`.
+
+    Returns
+    -------
+    Crossing
+        The value is interpolated in the reliability index; ``cell`` holds the indices of the
+        values on both sides of it.
+    """
+    from scipy.interpolate import PchipInterpolator
+    from scipy.optimize import brentq
+
+    if seek == "largest":
+        found = crossing(-values[::-1], pf[::-1], target_pf, "smallest")
+        last = values.size - 1
+        first, last = (values.size - 1 - i for i in reversed(found.cell))
+        return replace(found, value=-found.value, cell=(first, last))
+    index = np.clip([reliability_index(one, 1.0 - one) for one in pf], -38.0, 38.0)
+    above = index - reliability_index(target_pf, 1.0 - target_pf)
+    met = above >= 0.0
+    if met.all():
+        return Crossing(math.nan, "met everywhere", "", (0, 0))
+    if not met.any():
+        return Crossing(math.nan, "met nowhere", "", (0, 0))
+    if met[0]:
+        return Crossing(
+            math.nan, "met everywhere",
+            "at this end of the range the target is met, further inside it is not", (0, 0),
+        )  # fmt: skip
+    i = int(np.argmax(met))
+    curve = PchipInterpolator(values, above)
+    value = float(brentq(curve, values[i - 1], values[i], xtol=1e-12 * float(np.ptp(values))))
+    message = "" if met[i:].all() else "further on the target is missed again"
+    return Crossing(value, "found", message, (i - 1, i))
+
+
+def located(scan: Scan, target_pf: float, seek: Seek) -> tuple[Crossing, float, float]:
+    """Find the design value of a scan, and the ends of its interval.
+
+    Values without pf are left out; where one of them lies next to the crossing, or pf there is
+    doubtful, so is the design.
+    """
+    known = np.isfinite(scan.pf)
+    if known.sum() < 2:
+        why = next((note for note in scan.notes if note), "no answer")
+        return Crossing(math.nan, "failed", why, (0, 0)), math.nan, math.nan
+    where = np.flatnonzero(known)
+    found = crossing(scan.values[known], scan.pf[known], target_pf, seek)
+    ends = [
+        crossing(scan.values[known], bound[known], target_pf, seek).value
+        if np.isfinite(bound[known]).all()
+        else math.nan
+        for bound in (scan.low, scan.high)
+    ]
+    low, high = ends if seek == "smallest" else ends[::-1]
+    if found.status == "found":
+        first, last = (int(where[i]) for i in found.cell)
+        notes = [note for note in scan.notes[first : last + 1] if note]
+        if notes:
+            message = "; ".join(dict.fromkeys([found.message, *notes])).removeprefix("; ")
+            found = Crossing(found.value, "doubtful", message, found.cell)
+    return found, low, high
+
+
+def verify(
+    design: Design,
+    systems: int = 100_000,
+    value: float | None = None,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> Verification:
+    """Simulate the real model at a design value.
+
+    Parameters
+    ----------
+    design
+        A design with a value.
+    systems
+        Systems to simulate.
+    value
+        Where; None: at the design's best value. `Design.safe` is the other place of interest.
+    max_evals, rng, evaluator
+        As in `ReliabilityMethod.estimate`.
+
+    Raises
+    ------
+    ValueError
+        If there is no value to verify.
+    RuntimeError
+        If the simulation gives no answer.
+    """
+    at = design.value if value is None else value
+    if not math.isfinite(at):
+        raise ValueError(f"{design.parameter}: no value to verify ({design.status})")
+    problem, criterion = design.place(at)
+    result = MonteCarlo(systems=systems).estimate(
+        problem, [criterion], max_evals=max_evals, rng=rng, evaluator=evaluator
+    )
+    row = result[0]
+    if row.status in NO_ANSWER:
+        raise RuntimeError(f"{design.parameter} = {at:g}: {row.message}")
+    meets: Meets = "undecided"
+    if row.ci_high <= design.target_pf:
+        meets = "yes"
+    elif row.ci_low > design.target_pf:
+        meets = "no"
+    scan = design.scan
+    known = np.isfinite(scan.low) & np.isfinite(scan.high)
+    if known.sum() >= 2:
+        low, high = (np.interp(at, scan.values[known], one[known]) for one in (scan.low, scan.high))
+    else:
+        known = np.isfinite(scan.pf)
+        low = high = np.interp(at, scan.values[known], scan.pf[known])
+    return Verification(
+        value=at,
+        pf=row.pf,
+        ci_low=row.ci_low,
+        ci_high=row.ci_high,
+        meets=meets,
+        agrees=bool(row.ci_low <= high and low <= row.ci_high),
+        n_systems=result.details.n_systems,
+        n_evals=row.n_evals,
+        seconds=row.seconds,
+        seed=row.seed,
+    )

@@ -1,0 +1,215 @@
+"""The smallest or largest mean (or standard deviation) of an input that meets a target.
+
+With a response surface one set of model runs serves the whole range: it is fitted with the input
+spread so widely that it covers every value in the range, and asked for the distribution at each of
+them. Any other method is run at each value, with the same seed.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.analysis.design import Design, Scan, Seek, check_target, located
+from uqfold.analysis.fitted_surface import fit_surface
+from uqfold.evaluation import Evaluator
+from uqfold.inputs.score import Moment
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.kriging import Kriging
+from uqfold.methods.polynomial_chaos import PolynomialChaos
+from uqfold.methods.result import CriterionResult
+from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.designs import DEFAULT_SPREAD
+from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.typing import FloatArray
+
+_SURFACE_POINTS, _METHOD_POINTS = 17, 9
+_COVERED = 2.0 * DEFAULT_SPREAD
+"""So many standard deviations to either side a design of the default spread fills well."""
+_DRAWS = 20
+_T95 = 2.093
+"""Student's quantile for a spread estimated from 20 draws."""
+_INTEGRATION_ERROR = 1e-4
+"""Error of the integration over the surface, in the reliability index."""
+_STREAM = 13
+
+
+@dataclass(frozen=True)
+class _Question:
+    """What is designed: one moment of one input, between two values."""
+
+    problem: Problem
+    criterion: Criterion
+    input: str
+    moment: Moment
+    between: tuple[float, float]
+
+    def place(self, value: float) -> tuple[Problem, Criterion]:
+        """The problem with the moment at a value, and the criterion."""
+        moved = {self.input: value}
+        if self.moment == "mean":
+            return self.problem.with_moments(means=moved), self.criterion
+        return self.problem.with_moments(standard_deviations=moved), self.criterion
+
+    def wide(self) -> Problem:
+        """The problem with the input spread over the whole range."""
+        if self.moment == "standard deviation":
+            return self.place(self.between[1])[0]
+        column = self.problem.inputs.names.index(self.input)
+        std = float(self.problem.inputs.standard_deviations[column])
+        low, high = self.between
+        return self.problem.with_moments(
+            means={self.input: 0.5 * (low + high)},
+            standard_deviations={self.input: std + 0.5 * (high - low) / _COVERED},
+        )
+
+
+def design_input(
+    problem: Problem,
+    criterion: Criterion,
+    target_pf: float,
+    input: str,
+    between: tuple[float, float],
+    *,
+    moment: Moment = "mean",
+    seek: Seek = "smallest",
+    method: ReliabilityMethod | None = None,
+    points: int | None = None,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> Design:
+    """Find the smallest or largest mean or standard deviation of an input that meets a target.
+
+    Parameters
+    ----------
+    problem
+        Model, inputs and units.
+    criterion
+        What "works" means.
+    target_pf
+        Failure probability to be met: pf <= target.
+    input
+        Name of the input.
+    between
+        Range of its mean or standard deviation to look at, in the input's unit.
+    moment
+        ``mean`` (the standard deviation stays) or ``standard deviation`` (the mean stays).
+    seek
+        ``smallest``: the value from which on the target is met; ``largest``: up to which.
+    method
+        `Kriging` (None: with its default settings) and `PolynomialChaos` make their runs once,
+        spread over the range; any other method makes its own at every value looked at.
+    points
+        Values in the range; None: 17 on a surface, 9 with any other method.
+    max_evals
+        Most model runs, of all values together.
+    rng, evaluator
+        As in `ReliabilityMethod.estimate`.
+
+    Returns
+    -------
+    Design
+        Its ``safe`` value is the end of the interval that errs on the cautious side.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For wrong arguments, before any run is spent.
+    NoSurfaceError
+        If the model runs allow no surface.
+    """
+    started = time.perf_counter()
+    ends = check_target(target_pf, between)
+    if input not in problem.inputs.names:
+        raise ValueError(f"{input!r} is not one of the inputs {list(problem.inputs.names)}")
+    if seek not in ("smallest", "largest"):
+        raise ValueError(f"seek = {seek!r}: give smallest or largest")
+    chosen = Kriging() if method is None else method
+    on_surface = isinstance(chosen, Kriging | PolynomialChaos)
+    size = (_SURFACE_POINTS if on_surface else _METHOD_POINTS) if points is None else points
+    if int(size) != size or size < 5:
+        raise ValueError(f"points = {points}: give a whole number, at least 5")
+    question = _Question(problem, criterion, input, moment, ends)
+    for end in ends:
+        question.place(end)  # refuses moments that the distribution cannot have
+    values = np.linspace(*ends, int(size))
+    seed = reduced_seed(rng)
+    if isinstance(chosen, Kriging | PolynomialChaos):
+        scan, row = _on_surface(question, chosen, values, max_evals, seed, evaluator)
+        cost = row.n_evals, row.n_reused
+    else:
+        share = None if max_evals is None else max_evals // values.size
+        rows = [
+            chosen.estimate(
+                question.place(float(value))[0], [criterion],
+                max_evals=share, rng=seed, evaluator=evaluator,
+            )[0]
+            for value in values
+        ]  # fmt: skip
+        scan = Scan.of(values.tolist(), rows)
+        cost = sum(row.n_evals for row in rows), sum(row.n_reused for row in rows)
+    found, low, high = located(scan, target_pf, seek)
+    return Design(
+        parameter=f"{moment} of {input}",
+        unit=problem.input_units[problem.inputs.names.index(input)],
+        target_pf=target_pf,
+        seek=seek,
+        between=ends,
+        status=found.status,
+        message=found.message,
+        value=found.value,
+        low=low,
+        high=high,
+        scan=scan,
+        criterion=criterion,
+        method=chosen.name,
+        n_evals=cost[0],
+        n_reused=cost[1],
+        seconds=time.perf_counter() - started,
+        seed=seed,
+        place=question.place,
+    )
+
+
+def _on_surface(
+    question: _Question,
+    method: Kriging | PolynomialChaos,
+    values: FloatArray,
+    max_evals: int | None,
+    seed: int,
+    evaluator: Evaluator | None,
+) -> tuple[Scan, CriterionResult]:
+    from scipy.special import ndtr
+    from threadpoolctl import threadpool_limits
+
+    problem, criteria = question.problem, [question.criterion]
+    fitted = fit_surface(
+        question.wide(), criteria, method, max_evals=max_evals, rng=seed, evaluator=evaluator
+    )
+    inputs = problem.inputs
+    paths = fitted.surface.sample_paths(block_generator(seed, _STREAM), _DRAWS)
+    pf, index, spread = np.empty((3, values.size))
+    resolved = True
+    with threadpool_limits(1):
+        for i, value in enumerate(values):
+            here = question.place(float(value))[0].inputs
+            mean = fitted.seen_from(fitted.surface.mean, here)
+            drawn = fitted.seen_from(paths, here)
+            # laid out anew, since the directions that matter change with the distribution
+            system = SurfaceSystem.of(
+                mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
+            )
+            resolved &= system.rule.resolved
+            [found] = system.failures(mean, criteria, noise=fitted.noise)
+            changes = system.changes(mean, drawn, criteria, noise=fitted.noise)[:, 0]
+            pf[i], index[i] = found.pf, reliability_index(found)
+            spread[i] = fitted.overconfidence * float(changes.std(ddof=1))
+    reach = _T95 * np.hypot(spread, _INTEGRATION_ERROR)
+    note = "" if resolved else "the surface is not integrated accurately"
+    scan = Scan(values, pf, ndtr(-index - reach), ndtr(-index + reach), (note,) * values.size)
+    return scan, fitted.result[0]
