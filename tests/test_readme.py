@@ -11,6 +11,7 @@ ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 PAGES = [
     "README.md",
+    "docs/analysis.md",
     "docs/evaluation.md",
     "docs/mechanism.md",
     "docs/records.md",

@@ -17,7 +17,7 @@ from uqfold.lazy import lazy_exports
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uqfold import inputs, mechanism, methods, problems, report, system, testing
+    from uqfold import analysis, inputs, mechanism, methods, problems, report, system, testing
     from uqfold.comparison.run import compare
     from uqfold.evaluation.evaluator import Evaluator
     from uqfold.methods.base import ReliabilityMethod
@@ -39,6 +39,7 @@ __all__ = [
     "ReliabilityResult",
     "Series",
     "Unit",
+    "analysis",
     "compare",
     "criteria",
     "inputs",
@@ -66,6 +67,7 @@ __getattr__, __dir__ = lazy_exports(
         "ReliabilityResult": "uqfold.methods.result",
         "Series": "uqfold.problems.structure",
         "Unit": "uqfold.problems.base",
+        "analysis": "uqfold.analysis",
         "compare": "uqfold.comparison.run",
         "criteria": "uqfold.problems.criterion",
         "inputs": "uqfold.inputs",

@@ -2,9 +2,9 @@
 
 Two routes that share nothing. A polynomial chaos expansion has the indices among its coefficients.
 Pick-freeze sampling (Saltelli et al. 2010) runs the model itself on two independent samples A and
-B and on A with one column of B after the other; scrambled repetitions give its error. A group
-index is that of all shared inputs together: it equals the correlation of the responses of two
-units of one system.
+B and on A with one column of B after the other; scrambled repetitions give its error. Where there
+are several shared inputs, they also have one index together: the correlation of the responses of
+two units of one system.
 
 With dependent inputs the indices are those of the variables of the Rosenblatt transformation.
 
@@ -138,7 +138,7 @@ def pick_freeze(
         repetition.
     repetitions
         Independent repetitions, at least 3; their spread is the error. All together take
-        ``repetitions * samples * (d + 3)`` runs (d + 2 without shared or individual inputs).
+        ``repetitions * samples * (d + 2)`` runs, d + 3 where shared inputs form a group.
     max_evals, rng, evaluator
         As in `ReliabilityMethod.estimate`; a budget must pay for all runs.
 
@@ -247,8 +247,8 @@ def chaos_sobol(
 
 
 def _grouped(dimension: int, n_shared: int) -> bool:
-    """Whether the shared inputs are a group of their own."""
-    return 0 < n_shared < dimension
+    """Whether the shared inputs, more than one, are a group among others."""
+    return 1 < n_shared < dimension
 
 
 def _points(dimension: int, n_shared: int) -> int:
