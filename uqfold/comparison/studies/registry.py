@@ -17,6 +17,7 @@ from uqfold.problems.base import Problem
 
 _STEPS: dict[str, str] = {
     "independence": "uqfold.comparison.studies.steps.independence:INDEPENDENCE",
+    "scatter": "uqfold.comparison.studies.steps.scatter:SCATTER",
     "trajectory": "uqfold.comparison.studies.steps.trajectory:TRAJECTORY",
 }
 

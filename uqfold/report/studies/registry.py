@@ -14,11 +14,13 @@ from uqfold.comparison.studies.registry import loaded_kinds
 
 _FIGURES: dict[str, str] = {
     "animation": "uqfold.report.studies.mechanism:ANIMATION",
+    "conditions": "uqfold.report.studies.conditions:CONDITIONS",
     "mechanism": "uqfold.report.studies.mechanism:MECHANISM",
     "motion": "uqfold.report.studies.mechanism:MOTION",
     "reliability": "uqfold.report.studies.reliability:RELIABILITY",
 }
 _TABLES: dict[str, str] = {
+    "changed-inputs": "uqfold.report.studies.changed_inputs:CHANGED_INPUTS",
     "errors": "uqfold.report.studies.error_table:ERRORS",
     "evaluations": "uqfold.report.studies.evaluations:EVALUATIONS",
     "inputs": "uqfold.report.studies.inputs:INPUTS",
