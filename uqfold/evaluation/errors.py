@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING
 
-from uqfold.typing import FloatArray
+if TYPE_CHECKING:
+    from uqfold.typing import FloatArray
 
 
 class BudgetExceededError(RuntimeError):
@@ -21,6 +22,9 @@ class TimeLimitError(BudgetExceededError):
     """
 
     def __init__(self, message: str) -> None:
+        # the command line knows these errors before it needs arrays
+        import numpy as np
+
         super().__init__(message)
         self.responses: FloatArray = np.empty(0)
 
