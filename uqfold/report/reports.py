@@ -2,60 +2,70 @@
 
 from __future__ import annotations
 
+import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from uqfold.comparison.records import Records, read_records
+from uqfold.comparison.records import JSON_NAME, Records, read_records
+from uqfold.evidence.record import TIERS, CaseRecord
 from uqfold.report.page.blocks import Page
 from uqfold.report.page.write import write_page
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Source: TypeAlias = "Records | pd.DataFrame | str | os.PathLike[str]"
+Source: TypeAlias = "Records | pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
 STEM = "report"
+CASE_FILE = "case.toml"
 
 
 def report_page(source: Source) -> Page:
-    """Make the report on a comparison.
+    """Make the report on a comparison or on validation cases.
 
     Parameters
     ----------
     source
-        Records, a frame that `uqfold.compare` returned, or a folder or file with records.
+        Records of either, a frame that `uqfold.compare` returned, or a folder or file that holds
+        records: what `uqfold compare` or `uqfold validate` has written, or the folder of the cases
+        with the records that are kept beside them.
 
     Raises
     ------
-    uqfold.comparison.RecordsError
+    uqfold.comparison.RecordsError, uqfold.evidence.RecordError
         If the records on disk cannot be read.
     ValueError
-        If a frame is none of a comparison.
+        If a frame is none of a comparison, or there are no records.
     OSError
         If a file cannot be opened.
     """
-    from uqfold.report.comparison_page import comparison_page
-
-    if isinstance(source, Records):
-        return comparison_page(source)
     if isinstance(source, str | os.PathLike):
-        return comparison_page(read_records(source))
-    from uqfold.comparison.frames import records_from_frame
+        return _page_of(Path(source))
+    if isinstance(source, Records):
+        from uqfold.report.comparison_page import comparison_page
 
-    return comparison_page(records_from_frame(source))
+        return comparison_page(source)
+    if hasattr(source, "columns"):
+        from uqfold.comparison.frames import records_from_frame
+
+        return report_page(records_from_frame(source))
+    from uqfold.report.validation_page import validation_page
+
+    return validation_page(list(source))
 
 
 def write_report(
     source: Source, path: str | os.PathLike[str], *, format: str | None = None
 ) -> list[Path]:
-    """Write the report on a comparison to one HTML file, or to Markdown with its pictures.
+    """Write a report to one HTML file, or to Markdown with its pictures.
 
     No model is run, and nothing that the records name is imported.
 
     Parameters
     ----------
     source
-        Records, a frame that `uqfold.compare` returned, or a folder or file with records.
+        As for `report_page`.
     path
         Where to; its folder is made if it is missing.
     format
@@ -72,3 +82,46 @@ def write_report(
     >>> uqfold.report.write_report(frame, "report.html")  # doctest: +SKIP
     """
     return write_page(report_page(source), path, format)
+
+
+def kept_records(cases: Path) -> list[CaseRecord]:
+    """Read the records kept beside the cases of a folder: of each case the most thorough one."""
+    from uqfold.evidence.record_file import read_case_record
+
+    found = []
+    for declared in sorted(cases.glob(f"*/{CASE_FILE}")):
+        tiers = (declared.with_name(f"{tier}.json") for tier in reversed(TIERS))
+        kept = next((path for path in tiers if path.is_file()), None)
+        if kept is not None:
+            found.append(read_case_record(kept))
+    return sorted(found, key=lambda record: (record.topic, record.name))
+
+
+def _page_of(path: Path) -> Page:
+    """Make the report on a folder or file, after what it holds."""
+    if path.is_dir():
+        if (path / JSON_NAME).is_file():
+            return report_page(read_records(path))
+        if next(path.glob(f"*/{CASE_FILE}"), None) is not None:
+            return report_page(kept_records(path))
+        if next(path.glob("*.json"), None) is None:
+            raise ValueError(
+                f"{path.name} holds no records: run `uqfold compare` or `uqfold validate` first"
+            )
+        from uqfold.evidence.record_file import read_case_records
+
+        return report_page(read_case_records(path))
+    if _says_validation(path):
+        from uqfold.evidence.record_file import read_case_record
+
+        return report_page([read_case_record(path)])
+    return report_page(read_records(path))
+
+
+def _says_validation(path: Path) -> bool:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        return False
+    schema = document.get("schema") if isinstance(document, dict) else None
+    return isinstance(schema, str) and schema.startswith("uqfold-validation/")

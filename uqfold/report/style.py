@@ -42,7 +42,7 @@ _FIXED = {
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#E69F00", "v"),
 }
-_FURTHER = (
+FURTHER_STYLES = (
     MethodStyle("#56B4E9", "P"),
     MethodStyle("#7F6A00", "X"),
     MethodStyle("#882255", "<"),
@@ -105,7 +105,7 @@ def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     The built-in methods always have theirs; other labels take the further ones in turn, in the
     order given.
     """
-    further = cycle(_FURTHER)
+    further = cycle(FURTHER_STYLES)
     return {label: _FIXED.get(label) or next(further) for label in labels}
 
 

@@ -117,7 +117,8 @@ class _Writer:
                 self.pictures[name] = standalone_svg(chart)
                 title = f"{chart.title}: {view.name}" if len(figure.views) > 1 else chart.title
                 yield from (f"![{_words(title)}]({name})", "")
-        yield f"*{_words(figure.caption)}*"
+        if figure.caption:
+            yield f"*{_words(figure.caption)}*"
         if figure.legend:
             yield from ("", "Legend: " + ", ".join(_legend(figure)) + ".")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 _INVISIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+_MINUS = re.compile(r"(?<!\w)-(?=\d)")
 _POWER = re.compile(r"(?<![\w.])(-?\d+(?:\.\d+)?)e(-?\d+)(?!\w)")
 
 
@@ -23,10 +24,10 @@ def split_powers(text: str) -> list[tuple[str, str]]:
     """
     pieces, start = [], 0
     for match in _POWER.finditer(text):
-        mantissa, exponent = match[1], match[2].replace("-", "−")
+        mantissa, exponent = match[1], f"{int(match[2])}".replace("-", "−")
         before = text[start : match.start()]
-        pieces.append((f"{before}{mantissa} × 10", exponent))
+        pieces.append((_MINUS.sub("−", f"{before}{mantissa} × 10"), exponent))
         start = match.end()
     if start < len(text) or not pieces:
-        pieces.append((text[start:], ""))
+        pieces.append((_MINUS.sub("−", text[start:]), ""))
     return pieces

@@ -25,25 +25,27 @@ def values_table(figure: Figure) -> Table:
         for series in chart.series
         for point in series.points
     )
+    said = figure.caption or (charts[0].title if charts else "none")
     columns = tuple(Column(head, numeric=head not in ("series", "panel")) for head in heads)
-    return Table(f"Values: {figure.caption}", columns, rows, tools=False, show_caption=False)
+    return Table(f"Values: {said}", columns, rows, tools=False, show_caption=False)
 
 
 def _row(chart: Chart, series: Series, point: Point, *, panels: bool, barred: bool) -> Row:
     cells = [Cell(series.key.label)]
     if panels:
         cells.append(Cell(chart.title))
-    cells.append(_number(point.x))
+    cells.append(number_cell(point.x))
     if chart.y.categories and math.isfinite(point.y):
         cells.append(Cell(chart.y.categories[round(point.y)]))
     else:
-        cells.append(_number(point.y))
+        cells.append(number_cell(point.y))
     if barred:
-        cells += [_number(point.low), _number(point.high)]
+        cells += [number_cell(point.low), number_cell(point.high)]
     return Row(tuple(cells), keys=(series.key.name,))
 
 
-def _number(value: float) -> Cell:
+def number_cell(value: float) -> Cell:
+    """Give a number with five digits; a dash for NaN."""
     if math.isnan(value):
         return Cell("–", math.nan)
     text = f"{value:.{_DIGITS}g}"

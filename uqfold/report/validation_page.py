@@ -1,0 +1,371 @@
+"""The report on validation cases, as a page."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+import uqfold
+from uqfold.evidence.check import fingerprint
+from uqfold.evidence.record import CaseRecord, PlantedFault
+from uqfold.report.evidence_blocks import (
+    VERDICT_TONES,
+    evidence_figure,
+    evidence_table,
+    findings_table,
+)
+from uqfold.report.page.blocks import (
+    Block,
+    Card,
+    Cards,
+    Cell,
+    Code,
+    Column,
+    Details,
+    Facts,
+    Link,
+    Listing,
+    Page,
+    Paragraph,
+    Part,
+    Row,
+    Section,
+    Strong,
+    Table,
+    Tone,
+    Words,
+)
+from uqfold.report.verdicts import reasons
+from uqfold.report.wording import seconds_text
+
+_NAMED = 3
+"""Claims that do not hold which the first screen names one by one; a table has them all."""
+_UNFOLDED_ROWS = 12
+"""Longer tables are folded away."""
+
+
+def validation_page(records: Sequence[CaseRecord]) -> Page:
+    """Make the report on validation cases.
+
+    Parameters
+    ----------
+    records
+        One for each case; nothing that they name is imported or run.
+
+    Raises
+    ------
+    ValueError
+        If there are none.
+    """
+    if not records:
+        raise ValueError("there are no records to report on: run `uqfold validate` first")
+    topics: dict[str, list[CaseRecord]] = {}
+    for record in records:
+        topics.setdefault(record.topic, []).append(record)
+    days = sorted({record.date[:10] for record in records})
+    when = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
+    tiers = Counter(record.tier for record in records)
+    how = ", ".join(f"{count} in the {tier} tier" for tier, count in tiers.items())
+    return Page(
+        title="Does uqfold compute what it claims?",
+        kicker="Validation report",
+        lead=f"{len(records)} claims, each with what it is compared with, a tolerance with its "
+        f"reason, and a verdict. Measured {when}, {how}, in {_total_time(records)}.",
+        summary=tuple(_summary(records, topics)),
+        sections=(
+            Section("cases", "All cases", (_cases_table(records),)),
+            *(_topic(topic, own, i) for i, (topic, own) in enumerate(topics.items())),
+            _reading(),
+        ),
+        imprint=[
+            f"Made by uqfold {uqfold.__version__} from records alone; no model was run. Digest of "
+            "the records: ",
+            Code(fingerprint(records)),
+            ".",
+        ],
+    )
+
+
+def _total_time(records: Sequence[CaseRecord]) -> str:
+    total = sum(record.seconds for record in records)
+    return seconds_text(total) if total < 120.0 else f"{total / 60.0:.0f} minutes"
+
+
+def _summary(records: Sequence[CaseRecord], topics: dict[str, list[CaseRecord]]) -> Iterator[Block]:
+    yield Cards((_checked_card(records), _verdict_card(records), _failing_card(records)))
+    failing = [record for record in records if fails(record)]
+    if len(failing) > _NAMED:
+        yield _failing_table(failing)
+    yield _topics_table(topics)
+
+
+def _checked_card(records: Sequence[CaseRecord]) -> Card:
+    kinds = Counter(record.kind for record in records)
+    said = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+    planted = [fault for record in records for fault in record.faults if fault.caught is not None]
+    more = [f"By kind: {said}."]
+    if planted:
+        caught = sum(fault.caught is True for fault in planted)
+        more.append(f"{caught} of {len(planted)} faults planted on purpose were noticed.")
+    else:
+        declared = sum(len(record.faults) for record in records)
+        more.append(f"{declared} faults can be planted; none was in this run.")
+    noun = "claim" if len(records) == 1 else "claims"
+    return Card("What was checked?", f"{len(records)} {noun}", tuple(more))
+
+
+def _verdict_card(records: Sequence[CaseRecord]) -> Card:
+    counts = Counter(record.verdict for record in records)
+    answer = f"{counts['holds']} of {len(records)} hold"
+    more: list[Words] = [
+        [Strong(f"{counts[verdict]} {verdict}", tone), "."]
+        for verdict, tone in VERDICT_TONES.items()
+        if verdict != "holds" and counts[verdict]
+    ]
+    if not more:
+        more = ["Every claim keeps every limit that was set for it."]
+    tone: Tone = "good"
+    if counts["does not hold"]:
+        tone = "bad"
+    elif counts["cannot be judged"]:
+        tone = "warn"
+    return Card("What holds?", answer, tuple(more), tone)
+
+
+def _failing_card(records: Sequence[CaseRecord]) -> Card:
+    title = "What does not hold, and why?"
+    failing = [record for record in records if fails(record)]
+    if not failing:
+        unjudged = [record for record in records if record.verdict == "cannot be judged"]
+        open_ones = tuple(_linked(one, _first_reason(one)) for one in unjudged[:_NAMED])
+        return Card(title, "Nothing", open_ones, "warn" if unjudged else "good")
+    named = failing[: _NAMED if len(failing) <= _NAMED else 1]
+    more: tuple[Words, ...] = tuple(_linked(one, _first_reason(one)) for one in named)
+    if len(failing) > len(named):
+        more = (*more, f"and {len(failing) - len(named)} more, in the table below.")
+    noun = "case" if len(failing) == 1 else "cases"
+    return Card(title, f"{len(failing)} {noun}", more, "bad")
+
+
+def _linked(record: CaseRecord, why: str) -> list[Part]:
+    return [Link(record.title, _anchor(record)), f": {why}"]
+
+
+def _first_reason(record: CaseRecord) -> str:
+    found = reasons(record)
+    return found[0] if found else "nothing in it has a limit"
+
+
+def fails(record: CaseRecord) -> bool:
+    """Whether a case does not hold, was not measured, or missed a planted fault."""
+    broken = record.verdict == "does not hold"
+    return bool(broken or record.error or record.missed_faults)
+
+
+def _failing_table(failing: Sequence[CaseRecord]) -> Table:
+    rows = [
+        Row(
+            (
+                Cell([Link(record.title, _anchor(record))]),
+                Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
+                Cell("; ".join(reasons(record))),
+            )
+        )
+        for record in failing
+    ]
+    columns = (Column("case"), Column("verdict"), Column("why"))
+    return Table("What does not hold, and why", columns, tuple(rows), tools=False)
+
+
+def _topics_table(topics: dict[str, list[CaseRecord]]) -> Table:
+    rows = []
+    for i, (topic, records) in enumerate(topics.items()):
+        counts = Counter(record.verdict for record in records)
+        faults = [fault for record in records for fault in record.faults]
+        cells = [Cell([Link(topic, _topic_anchor(i))]), _count_cell(len(records), "")]
+        cells += [_count_cell(counts[verdict], tone) for verdict, tone in VERDICT_TONES.items()]
+        cells.append(_faults_cell(faults))
+        seconds = sum(record.seconds for record in records)
+        cells.append(Cell(seconds_text(seconds), seconds))
+        rows.append(Row(tuple(cells)))
+    heads = ["topic", "claims", *VERDICT_TONES, "faults noticed", "time"]
+    columns = tuple(Column(head, numeric=i > 0) for i, head in enumerate(heads))
+    return Table("Verdicts by topic", columns, tuple(rows), show_caption=False)
+
+
+def _count_cell(count: int, tone: Tone) -> Cell:
+    return Cell(str(count) if count else "–", float(count), tone if count else "quiet")
+
+
+def _faults_cell(faults: Sequence[PlantedFault]) -> Cell:
+    planted = [fault for fault in faults if fault.caught is not None]
+    if not planted:
+        return Cell("not planted" if faults else "–", -1.0, "quiet")
+    caught = sum(fault.caught is True for fault in planted)
+    tone: Tone = "good" if caught == len(planted) else "bad"
+    return Cell(f"{caught} of {len(planted)}", caught / len(planted), tone)
+
+
+def _cases_table(records: Sequence[CaseRecord]) -> Table:
+    columns = (
+        Column("case"),
+        Column("topic", choices=True),
+        Column("kind", choices=True),
+        Column("verdict", choices=True),
+        Column("limits kept", numeric=True),
+        Column("faults noticed", numeric=True),
+        Column("tier", choices=True),
+        Column("time", numeric=True),
+        Column("date"),
+    )
+    rows = []
+    for record in records:
+        judged = [one for one in record.judged if one.verdict is not None]
+        kept = sum(one.verdict == "holds" for one in judged)
+        rows.append(
+            Row(
+                (
+                    Cell([Link(record.title, _anchor(record))]),
+                    Cell(record.topic),
+                    Cell(record.kind),
+                    Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
+                    Cell(f"{kept} of {len(judged)}", float(kept)),
+                    _faults_cell(record.faults),
+                    Cell(record.tier),
+                    Cell(seconds_text(record.seconds), record.seconds),
+                    Cell(record.date[:10]),
+                )
+            )
+        )
+    return Table("All cases", columns, tuple(rows), show_caption=False)
+
+
+def _topic(topic: str, records: Sequence[CaseRecord], index: int) -> Section:
+    title = topic[:1].upper() + topic[1:]
+    return Section(_topic_anchor(index), title, tuple(_case(record) for record in records))
+
+
+def _topic_anchor(index: int) -> str:
+    return f"topic-{index + 1}"
+
+
+def _anchor(record: CaseRecord) -> str:
+    return f"case-{record.name}"
+
+
+def _case(record: CaseRecord) -> Section:
+    return Section(
+        _anchor(record),
+        record.title,
+        tuple(_case_blocks(record)),
+        record.verdict,
+        VERDICT_TONES[record.verdict],
+    )
+
+
+def _case_blocks(record: CaseRecord) -> Iterator[Block]:
+    yield Paragraph([Strong(record.claim)])
+    if record.error:
+        yield Paragraph([Strong("No measurement: ", "bad"), record.error])
+    yield Facts(
+        (
+            ("kind", record.kind),
+            ("compared with", record.compared_with),
+            ("its uncertainty", record.uncertainty),
+            ("its source", record.source),
+            ("tolerance", record.tolerance),
+            ("verdict rule", record.verdict_rule),
+        )
+    )
+    if record.findings:
+        yield findings_table(record.findings, f"Findings: {record.title}")
+    stored = record.stored
+    if stored is not None:
+        yield from _stored(record)
+    for figure in record.measurement.figures:
+        yield evidence_figure(figure, record.name)
+    for table in record.measurement.tables:
+        shown = evidence_table(table)
+        if len(table.rows) > _UNFOLDED_ROWS:
+            yield Details(f"{table.title} ({len(table.rows)} rows)", (shown,))
+        else:
+            yield shown
+    if record.faults:
+        yield _faults_table(record)
+    yield Details("How it was measured", tuple(_provenance(record)))
+
+
+def _stored(record: CaseRecord) -> Iterator[Block]:
+    stored = record.stored
+    assert stored is not None
+    state = (
+        "with the same code, so they count too"
+        if stored.current
+        else f"with other code ({', '.join(stored.changed)}), so they are only quoted"
+    )
+    said = f"The full tier, measured {stored.date[:10]} in {seconds_text(stored.seconds)} {state}:"
+    yield Paragraph(said)
+    yield findings_table(stored.findings, f"Findings of the full tier: {record.title}")
+
+
+def _faults_table(record: CaseRecord) -> Table:
+    rows = []
+    for fault in record.faults:
+        noticed = Cell("not planted in this run", tone="quiet")
+        if fault.verdict is not None:
+            caught = bool(fault.caught)
+            noticed = Cell(f"{'noticed' if caught else 'unnoticed'}: {fault.verdict}",
+                           tone="good" if caught else "bad")  # fmt: skip
+        rows.append(Row((Cell(fault.name), Cell(fault.what), noticed)))
+    columns = (Column("planted fault"), Column("what is made wrong"), Column("noticed"))
+    return Table("Faults planted to see whether the case can fail", columns, tuple(rows),
+                 tools=False)  # fmt: skip
+
+
+def _provenance(record: CaseRecord) -> Iterator[Block]:
+    yield Listing(record.command)
+    versions = ", ".join(f"{name} {version}" for name, version in record.versions.items())
+    seeds = ", ".join(map(str, record.seeds))
+    facts: list[tuple[str, Words]] = [
+        ("case", [Code(record.name)]),
+        ("tier", record.tier),
+        ("seeds", seeds or "nothing is random"),
+        ("measured", f"{record.date}, in {seconds_text(record.seconds)}"),
+        ("machine", record.machine),
+        ("versions", versions),
+    ]
+    if record.code:
+        code = ", ".join(f"{part} {digest[:12]}" for part, digest in record.code.items())
+        facts.append(("code, with digests", code))
+    yield Facts(tuple(facts))
+
+
+def _reading() -> Section:
+    """Explain the words of the report."""
+    return Section(
+        "reading",
+        "How to read this",
+        (
+            Facts(
+                (
+                    ("holds", "at least one limit was judged, and every limit is kept"),
+                    ("does not hold", "one limit or more is broken"),
+                    (
+                        "cannot be judged",
+                        "no limit could be judged: the numbers lie closer to it than their own "
+                        "uncertainty, or nobody here can measure them, or the measurement failed",
+                    ),
+                    (
+                        "planted fault",
+                        "an error made on purpose (a wrong sign, a stale reference); a case that "
+                        "still holds with it proves nothing",
+                    ),
+                    (
+                        "tier",
+                        "quick and default measure with small sizes, full with large ones; what "
+                        "full found earlier is quoted with its date",
+                    ),
+                )
+            ),
+        ),
+    )
