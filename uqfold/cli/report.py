@@ -50,5 +50,7 @@ def report_command(
         raise typer.BadParameter(f"{shown_path(Path(where))}: {error.strerror}") from error
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
-    pictures = f" and {len(written) - 1} pictures beside it" if len(written) > 1 else ""
+    pictures = (
+        f", {len(written) - 1} pictures in {written[-1].parent.name}" if len(written) > 1 else ""
+    )
     typer.echo(f"written: {shown_path(written[0])}{pictures}")

@@ -14,13 +14,14 @@ import uqfold
 from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, shown_path, stdout_console
 from uqfold.cli.interrupts import Interrupts
 from uqfold.evidence.case import Case
-from uqfold.evidence.check import KEPT_TIERS, discrepancies
+from uqfold.evidence.check import KEPT_TIERS, discrepancies, report_discrepancies
 from uqfold.evidence.gate import differences
 from uqfold.evidence.record import CaseRecord, Tier
-from uqfold.evidence.record_file import write_case_record
+from uqfold.evidence.record_file import read_case_records, write_case_record
 from uqfold.evidence.runner import Validation, existing_record
 from uqfold.report.layout import Cell, Grid
 from uqfold.report.progress import ComparisonProgressBar
+from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report, write_report
 from uqfold.report.verdicts import VerdictTable
 
 
@@ -72,6 +73,8 @@ class ValidationSession:
             out = stdout_console(quiet=False)
             out.print(VerdictTable(self.records))
             out.print(f"\nrecords: {shown_path(self.folder)}", highlight=False)
+            for path in self._write_reports():
+                out.print(f"report: {shown_path(path)}", highlight=False)
         if code == 0 and self.gate:
             return EXIT_FAILED if self._compare() else 0
         if code == 0 and any(
@@ -96,6 +99,14 @@ class ValidationSession:
                 self.records.append(record)
                 if self.update and self.tier in KEPT_TIERS:
                     write_case_record(record, case.folder, self.tier)
+
+    def _write_reports(self) -> list[Path]:
+        """Write the report on all records of the folder, and on the kept ones if these changed."""
+        report = self.folder / "report.html"
+        written = write_report(read_case_records(self.folder), report)[:1]
+        if self.update:
+            written += write_kept_report(self.cases[0].folder.parent)[:1]
+        return written
 
     def _compare(self) -> bool:
         """Say what differs from the records beside the cases; whether anything does."""
@@ -142,12 +153,17 @@ def print_cases(cases: Sequence[Case]) -> None:
 def check_cases(cases: Sequence[Case]) -> int:
     """Say whether cases, kept records and code belong together; give the exit code."""
     found = {case.name: discrepancies(case) for case in cases}
+    root = cases[0].folder.parent
+    kept = kept_records(root)
+    if {one.name for one in kept} <= set(found):
+        report = root / KEPT_REPORT
+        found[report.name] = report_discrepancies(report, kept)
     for name, lines in found.items():
         for text in lines:
             _say(f"{name}: {text}")
     wrong = sum(bool(lines) for lines in found.values())
     if not wrong:
-        _say(f"{len(found)} cases: records, code and claims belong together")
+        _say(f"{len(cases)} cases: records, code and claims belong together")
     return EXIT_FAILED if wrong else 0
 
 

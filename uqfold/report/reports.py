@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 Source: TypeAlias = "Records | pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
 STEM = "report"
 CASE_FILE = "case.toml"
+KEPT_REPORT = "report.md"
+"""The report on the records that are kept beside the cases, in their folder."""
 
 
 def report_page(source: Source) -> Page:
@@ -95,6 +97,11 @@ def kept_records(cases: Path) -> list[CaseRecord]:
         if kept is not None:
             found.append(read_case_record(kept))
     return sorted(found, key=lambda record: (record.topic, record.name))
+
+
+def write_kept_report(cases: Path) -> list[Path]:
+    """Write the report on the records kept beside the cases, as Markdown for the repository."""
+    return write_report(kept_records(cases), cases / KEPT_REPORT)
 
 
 def _page_of(path: Path) -> Page:

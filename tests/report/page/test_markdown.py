@@ -55,10 +55,10 @@ def test_a_text_stays_one_text(text: str) -> None:
 
 def test_charts_lie_beside_and_follow_the_scheme() -> None:
     texts = page_markdown(page(), "report")
-    assert list(texts) == ["", "report-1.svg", "report-2.svg"]
+    assert list(texts) == ["", "report-figures/01.svg", "report-figures/02.svg"]
     assert "![" in texts[""]
-    assert "(report-1.svg)" in texts[""]
-    root = ET.fromstring(texts["report-1.svg"])
+    assert "(report-figures/01.svg)" in texts[""]
+    root = ET.fromstring(texts["report-figures/01.svg"])
     names = {one.tag.rpartition("}")[2] for one in root.iter()}
     assert "script" not in names
     assert root.findtext("{http://www.w3.org/2000/svg}title") == HOSTILE

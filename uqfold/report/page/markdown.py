@@ -48,12 +48,12 @@ def page_markdown(page: Page, stem: str) -> dict[str, str]:
     page
         The page.
     stem
-        Name of the file without its suffix; the pictures are called after it.
+        Name of the file without its suffix; the folder of the pictures is called after it.
 
     Returns
     -------
     dict[str, str]
-        The text under the empty name, and the pictures under the names of their files.
+        The text under the empty name, and the pictures under the paths of their files.
     """
     writer = _Writer(stem)
     lines = [f"# {_words(page.title)}", "", _words(page.lead), ""]
@@ -113,7 +113,7 @@ class _Writer:
     def _figure(self, figure: Figure) -> Iterator[str]:
         for view in figure.views:
             for chart in view.charts:
-                name = f"{self.stem}-{len(self.pictures) + 1}.svg"
+                name = f"{self.stem}-figures/{len(self.pictures) + 1:02d}.svg"
                 self.pictures[name] = standalone_svg(chart)
                 title = f"{chart.title}: {view.name}" if len(figure.views) > 1 else chart.title
                 yield from (f"![{_words(title)}]({name})", "")

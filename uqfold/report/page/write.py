@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
@@ -54,10 +55,13 @@ def write_page(page: Page, path: str | os.PathLike[str], format: str | None = No
 
         texts = page_markdown(page, file.stem)
         texts = {file.name: texts.pop(""), **texts}
-    file.parent.mkdir(parents=True, exist_ok=True)
+    # pictures of an earlier report would not belong to this one
+    for old in file.parent.glob(f"{glob.escape(file.stem)}-figures/[0-9][0-9]*.svg"):
+        old.unlink()
     written = []
     for name, text in texts.items():
         target = file.parent / name
+        target.parent.mkdir(parents=True, exist_ok=True)
         with replacing(target) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="")
         written.append(target)
