@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from uqfold.evidence.case import Case, find_cases
+from uqfold.evidence.case import Case, Fault, find_cases
 from uqfold.evidence.gate import differences
 from uqfold.evidence.record_file import read_case_record
 from uqfold.evidence.runner import Validation, plant
@@ -12,7 +12,7 @@ from uqfold.evidence.runner import Validation, plant
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
 
-QUICK = {"mechanism_energy", "mechanism_limits"}
+QUICK = {"example_2_tail", "mechanism_energy", "mechanism_limits", "openturns_form", "sample_sizes"}
 """Cases whose faults take seconds; the others are slow."""
 
 
@@ -23,14 +23,21 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
 @pytest.mark.parametrize(
     ("name", "fault"),
     [
-        pytest.param(case.name, fault.name, marks=_marks(case.name), id=f"{case.name}-{fault.name}")
+        pytest.param(case.name, fault, marks=_marks(case.name), id=f"{case.name}-{fault.name}")
         for case in CASES.values()
         for fault in case.faults
     ],
 )
-def test_every_planted_fault_turns_the_verdict(name: str, fault: str) -> None:
-    measurement = plant(CASES[name], fault)
-    assert measurement.verdict == "does not hold", [one.words for one in measurement.findings]
+def test_every_planted_fault_turns_the_verdict(name: str, fault: Fault) -> None:
+    measurement = plant(CASES[name], fault.name)
+    assert measurement.verdict == fault.turns_to, [one.words for one in measurement.findings]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_can_turn(name: str) -> None:
+    """A case that holds has faults that break it, one that does not a remedy that mends it."""
+    verdict = read_case_record(FOLDER / name / "quick.json").verdict
+    assert {fault.turns_to for fault in CASES[name].faults} - {verdict}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_marks(name)) for name in CASES])

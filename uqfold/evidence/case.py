@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from uqfold.comparison.findings import Verdict
 from uqfold.evidence.record import Kind
 from uqfold.evidence.schema import check_document
 
@@ -32,10 +33,11 @@ class CaseError(ValueError):
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault to plant: its name, and what it makes wrong."""
+    """A fault to plant: its name, what it makes wrong, and the verdict that it has to give."""
 
     name: str
     what: str
+    turns_to: Verdict = "does not hold"
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ def load_case(folder: str | os.PathLike[str]) -> Case:
         check_document(document, "uqfold-case-1")
     except ValueError as error:
         raise CaseError(f"{path.name}/{DECLARATION}: {error}") from error
-    faults = tuple(Fault(one["name"], one["what"]) for one in document["fault"])
+    faults = tuple(Fault(**one) for one in document["fault"])
     if len({fault.name for fault in faults}) != len(faults):
         raise CaseError(f"{path.name}/{DECLARATION}: two faults have the same name")
     texts: dict[str, Any] = {

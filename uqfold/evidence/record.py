@@ -26,16 +26,20 @@ class PlantedFault:
         Its name, and what is made wrong.
     verdict
         Verdict of the case with the fault; None: not planted in this run.
+    turns_to
+        Verdict that it has to give. A claim that does not hold is shown to be able to by
+        planting a remedy, which turns to ``holds``.
     """
 
     name: str
     what: str
     verdict: Verdict | None = None
+    turns_to: Verdict = "does not hold"
 
     @property
     def caught(self) -> bool | None:
-        """Whether the fault turned the verdict; None where it was not planted."""
-        return None if self.verdict is None else self.verdict == "does not hold"
+        """Whether it turned the verdict as it has to; None where it was not planted."""
+        return None if self.verdict is None else self.verdict == self.turns_to
 
 
 @dataclass(frozen=True)

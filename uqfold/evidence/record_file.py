@@ -111,7 +111,12 @@ def to_document(record: CaseRecord) -> dict[str, Any]:
         "tables": [_table_document(table) for table in measured.tables],
         "figures": [_figure_document(figure) for figure in measured.figures],
         "faults": [
-            {"name": fault.name, "what": fault.what, "verdict": fault.verdict}
+            {
+                "name": fault.name,
+                "what": fault.what,
+                "verdict": fault.verdict,
+                "turns_to": fault.turns_to,
+            }
             for fault in record.faults
         ],
         "stored": None

@@ -114,7 +114,7 @@ class Validation:
                 measurement, _ = _attempt(case, Work("quick", fault.name, case.seeds))
                 verdict = measurement.verdict
                 self.progress(case.name, 0, None)
-            yield PlantedFault(fault.name, fault.what, verdict)
+            yield PlantedFault(fault.name, fault.what, verdict, fault.turns_to)
 
 
 def plant(case: Case, fault: str) -> Measurement:

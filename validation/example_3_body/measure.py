@@ -1,0 +1,11 @@
+"""The paper's method against the reference of this example; see `validation.examples`."""
+
+from uqfold.evidence import Measurement
+from uqfold.evidence.work import Work
+from uqfold.problems import folding_wing
+from validation.examples.ffni_errors import BODY, measure_errors
+
+
+def measure(work: Work) -> Measurement:
+    """Measure all criteria; the tiers do not differ."""
+    return measure_errors(work, folding_wing(), BODY)
