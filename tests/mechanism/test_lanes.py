@@ -19,6 +19,7 @@ from uqfold.mechanism.lanes import (
     STATE_ROWS,
     step_lanes,
 )
+from uqfold.mechanism.record import NO_RECORD
 from uqfold.mechanism.wing import WingConstants, sample_table, shared_parameters
 
 TABLE_6 = WingParameters(C_r=0.0015)
@@ -39,8 +40,7 @@ def scalar_times(parameters, tolerance=DEFAULT_TOLERANCE, **given):
     """Times from the scalar form, one sample after the other."""
     samples = sample_table(parameters, given)
     times = np.empty(len(samples))
-    record = np.empty((0, module.RECORD_WIDTH))
-    module.deploy_rows(shared_parameters(parameters), samples, tolerance, times, record)
+    module.deploy_rows(shared_parameters(parameters), samples, tolerance, times, NO_RECORD)
     return times
 
 
@@ -111,15 +111,14 @@ def test_the_tight_end_reaches_a_microsecond():
 def test_a_lane_stops_at_the_largest_number_of_steps():
     samples = sample_table(TABLE_6, {"V_q": np.linspace(130, 150, 9)})
     shared = shared_parameters(TABLE_6)
-    record = np.empty((0, module.RECORD_WIDTH))
     times = np.empty(9)
     steps = [
-        module.deploy_rows(shared, sample[None], DEFAULT_TOLERANCE, np.empty(1), record)
+        module.deploy_rows(shared, sample[None], DEFAULT_TOLERANCE, np.empty(1), NO_RECORD)
         for sample in samples
     ]
     limit = sorted(steps)[4]
     module.deploy_lanes(shared, samples, DEFAULT_TOLERANCE, limit, times)
-    assert np.isnan(times).tolist() == [count > limit for count in steps]
+    assert (times == module.GIVEN_UP).tolist() == [count > limit for count in steps]
 
 
 OPEN, CLOSED = -1.0, 10.0

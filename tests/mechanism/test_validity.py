@@ -5,13 +5,14 @@
 
 import dataclasses
 import math
+import warnings
 from datetime import timedelta
 
 import pytest
 from hypothesis import HealthCheck, assume, event, given, settings
 from hypothesis import strategies as st
 
-from uqfold.mechanism import WingParameters, deployment_times, trajectory
+from uqfold.mechanism import WingParameters, deployment_times
 from uqfold.mechanism.ideal import ideal_deployment_times
 
 # About half to twice the values of Table 1, every loss and any pitch angle
@@ -53,8 +54,8 @@ NEAR = {
     "x_lock": (0.5, 2.0),
     "t_max": (0.1, 3.0),
 }
-# Far beyond: 20 kN on light arms, friction of 1, contacts that hardly return, resting contacts
-# damped by a rate of a micrometre per second
+# Far beyond, where explicit steps may not suffice: 20 kN on light arms, friction of 1, contacts
+# that hardly return, resting contacts damped by a rate of a micrometre per second
 FAR = NEAR | {
     "l_1": (0.3, 3.0),
     "w_1": (0.01, 1.0),
@@ -135,16 +136,13 @@ def test_any_wing_locks_or_does_not(values, share):
 @FREELY
 @given(values=fields(FAR), share=SHARE)
 def test_any_record_at_all_comes_to_an_end(values, share):
-    # forces and losses may be so large that no explicit step follows them: given up, not hung
     wing = record(values, share)
     assume(wing is not None)
-    t = float(deployment_times(wing)[0])
-    if math.isnan(t):
-        event("given up")
-        with pytest.raises(RuntimeError, match="time steps: try another tolerance"):
-            trajectory(wing)
-    else:
-        assert t == math.inf or 0 < t <= wing.t_max
+    with warnings.catch_warnings(record=True) as rough:
+        warnings.simplefilter("always")
+        t = float(deployment_times(wing)[0])
+    event("rough" if rough else "under control")
+    assert t == math.inf or 0 < t <= wing.t_max
 
 
 @pytest.mark.parametrize(("name", "bounds"), FAR.items(), ids=list(FAR))

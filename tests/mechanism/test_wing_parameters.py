@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from uqfold.mechanism import WingParameters
+from uqfold.mechanism.scales import MOST_VIBRATIONS, hertz_stiffness, scales_of
 
 TABLE_1 = {
     "l_1": 1.5,
@@ -86,6 +87,19 @@ def test_replace_returns_a_validated_copy_and_the_record_is_frozen():
         ({"theta_1_initial": 1.5}, r"l_2 = 1.3 m is too short", "reduce"),
         ({"x_lock": 0.2}, r"x_lock = 0.2 m.*0.20385", "larger x_lock"),
         ({"x_lock": 3.0}, r"x_lock = 3.0 m is unreachable", "within reach"),
+        ({"C_e": 1e-4}, r"C_e = 0.0001", "at least 0.001"),
+        ({"C_f": 11.0}, r"C_f = 11.0", "at most 10"),
+        ({"onset_velocity_floor": 1e-10}, r"onset_velocity_floor = 1e-10", "at least 1e-9"),
+        ({"friction_v_1": 0.001 + 1e-12}, r"friction_v_1 = 0.001000000001", "at least 1e-9"),
+        ({"theta_1_initial": 7.0}, r"theta_1_initial = 7.0", "within -2 pi and 2 pi"),
+        ({"l_1": 60.0, "l_2": 60.0, "x_lock": 70.0}, r"l_1 \+ l_2 = 120 m", "at most 100 m"),
+        ({"C_r_C": 1e-9}, r"C_r = 1e-09 m", "at least 2.8e-08 m"),
+        ({"t_max": 1e3}, r"t_max = 1000.0 s", "at most 100 s"),
+        ({"k_d": 1e8}, r"1e\+08 N .* bears 3.43e\+06 N .* R_b = 0.01 m", "reduce k_d"),
+        ({"V_q": 1e200}, r"inf N", "reduce k_d, V_q"),
+        ({"delta": 0.0, "rho_3": 1e308, "V_3": 10.0}, r"inf N", "or the masses"),
+        ({"b": 1e-12}, r"rad/s, too fast .*t_max = 2.0 s", "heavier bodies"),
+        ({"E_1": 1e23, "E_2": 1e23}, r"rad/s, too fast", "t_max of at most"),
         ({"tangential_velocity": "both"}, r"tangential_velocity = 'both'", "geometric, material"),
     ],
 )
@@ -93,6 +107,21 @@ def test_impossible_values_are_refused_by_name_value_and_remedy(changes, named, 
     with pytest.raises(ValueError, match=named) as error:
         WingParameters(**changes)
     assert error.match(remedy)
+
+
+def test_scales_are_far_from_those_of_the_paper():
+    wing = WingParameters()
+    K_B = hertz_stiffness(wing.R_b, wing.R_j_B, wing.E_1, wing.nu_1, wing.E_1, wing.nu_1)
+    K_C = hertz_stiffness(wing.R_b, wing.R_j_C, wing.E_2, wing.nu_2, wing.E_1, wing.nu_1)
+    scale = scales_of(wing, wing, K_B, K_C)
+    # drive, drag 0.5 rho C_0 b (l_1 + l_2) V^2, weights
+    drag = 0.5 * 1.293 * 0.007 * 2.8 * 140**2
+    masses = (2700 * 1.5 * 0.3 * 0.007, 2700 * 1.3 * 0.2 * 0.007, 7.87)
+    assert scale.load == pytest.approx(550 + drag + 9.81 * sum(masses))
+    assert scale.capacity == pytest.approx(K_B * 0.01**1.5)
+    assert scale.frequency == pytest.approx(math.sqrt(1.5 * K_C * 0.1 / (masses[1] / 4)))
+    assert 100 * scale.load < scale.capacity
+    assert 1000 * scale.frequency * wing.t_max < MOST_VIBRATIONS
 
 
 @pytest.mark.parametrize("field", [f.name for f in dataclasses.fields(WingParameters)])

@@ -6,6 +6,7 @@ in the hysteresis factor h that stands for a coefficient of restitution.
 
 import math
 
+from uqfold.mechanism import scales
 from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.parameters import ContactLaw
 
@@ -43,26 +44,7 @@ def hysteresis_factor(law: ContactLaw, C_e: float) -> float:
     return (1.0 - C_e * C_e) / C_e
 
 
-@kernel
-def hertz_stiffness(
-    R_b: float, R_j: float, E_b: float, nu_b: float, E_j: float, nu_j: float
-) -> float:
-    """Stiffness K of Eq. (6).
-
-    Parameters
-    ----------
-    R_b, R_j : float
-        Radii of bearing and journal (m).
-    E_b, nu_b, E_j, nu_j : float
-        Young's modulus (Pa) and Poisson's ratio of bearing and journal.
-
-    Returns
-    -------
-    float
-        Stiffness (N/m^1.5).
-    """
-    compliance = (1.0 - nu_b * nu_b) / E_b + (1.0 - nu_j * nu_j) / E_j
-    return 4.0 / (3.0 * compliance) * math.sqrt(R_b * R_j / (R_b + R_j))
+hertz_stiffness = kernel(scales.hertz_stiffness)
 
 
 @inlined

@@ -6,6 +6,7 @@ records the motion.
 """
 
 import math
+import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Unpack, cast
@@ -28,6 +29,8 @@ from uqfold.mechanism.lanes import (
     step_lanes,
 )
 from uqfold.mechanism.parameters import WingParameters
+from uqfold.mechanism.record import NO_RECORD, write_point
+from uqfold.mechanism.stiff import deploy_stiff
 from uqfold.mechanism.timestep import (
     FIRST_STEP,
     LOCKED,
@@ -37,8 +40,8 @@ from uqfold.mechanism.timestep import (
     initial_state,
 )
 from uqfold.mechanism.wing import (
-    SampleParameters,
     Samples,
+    as_sample,
     initial_pose,
     is_possible,
     sample_table,
@@ -52,10 +55,10 @@ DEFAULT_TOLERANCE = 7e-7
 """Local error allowed per time step (m)."""
 
 MAX_STEPS = 2_000_000
-"""Time steps after which an integration counts as failed; a deployment takes about 1,000."""
+"""Time steps after which a motion counts as too stiff for them; a deployment takes about 1,000."""
 
-RECORD_WIDTH = 18
-"""Numbers recorded per time step: t, q (5), v (5), a (5), damping of the contacts of B and C."""
+GIVEN_UP = -math.inf
+"""What the time loops give as the deployment time of a motion that they cannot follow."""
 
 # Samples handed to a thread at once: few enough to share the work evenly, enough to keep the lanes
 # filled.
@@ -92,7 +95,8 @@ def deployment_times(
         within `parameters.t_max`, also because its arms do not reach the lock. NaN, and no
         exception, where a sample is impossible (a value that is not finite; V_q < 0; a thickness,
         clearance or length not positive; a clearance not below R_b; lengths that do not assemble
-        or that start beyond the lock), or where the integration fails or exceeds `MAX_STEPS`.
+        or that start beyond the lock; scales that `WingParameters` refuses). Motions too stiff for
+        explicit steps are followed by implicit ones, see `uqfold.mechanism.stiff`.
 
     Raises
     ------
@@ -101,6 +105,11 @@ def deployment_times(
         not positive, or `threads` is below 1.
     TypeError
         If a name is none of those.
+
+    Warns
+    -----
+    RuntimeWarning
+        If even implicit steps could not follow a motion with its error under control.
 
     Examples
     --------
@@ -121,19 +130,35 @@ def deployment_times(
     chunk = min(max(even, _SMALLEST_CHUNK), _LARGEST_CHUNK)
     starts = range(0, len(table), chunk)
 
-    def run(start: int) -> None:
+    def run(start: int) -> int:
         rows = slice(start, start + chunk)
         deploy_lanes(shared, table[rows], float(tolerance), MAX_STEPS, times[rows])
+        n_rough = 0
+        for i in start + np.flatnonzero(times[rows] == GIVEN_UP):
+            times[i], rough, _ = deploy_stiff(shared, table[i], float(tolerance), NO_RECORD)
+            n_rough += rough
+        return n_rough
 
     if threads == 1 or len(starts) <= 1:
-        for start in starts:
-            run(start)
+        n_rough = sum(map(run, starts))
     else:
         # The kernel gives up the interpreter's lock. A pool of plain threads keeps uneven samples
         # balanced and, unlike numba's own threads, may be entered by many callers and forked.
         with ThreadPoolExecutor(min(threads, len(starts))) as pool:
-            list(pool.map(run, starts))
+            n_rough = sum(pool.map(run, starts))
+    if n_rough:
+        warn_of_rough(n_rough, len(times))
     return times
+
+
+def warn_of_rough(n_rough: int, n: int) -> None:
+    """Warn of `n_rough` motions among `n` whose errors are not under control."""
+    warnings.warn(
+        f"{n_rough} of {n} motions vibrate too hard and fast to be followed: their deployment "
+        "times are rough, without an error under control",
+        RuntimeWarning,
+        stacklevel=3,
+    )
 
 
 def check_tolerance(tolerance: float) -> None:
@@ -145,17 +170,11 @@ def check_tolerance(tolerance: float) -> None:
 
 
 @inlined
-def _sample(row):  # type: ignore[no-untyped-def]
-    """Row of a table of samples by name."""
-    return SampleParameters(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
-
-
-@inlined
 def _response(status: int, t: float) -> float:
     """Deployment time (s) of a wing whose motion has come to its end at time `t`."""
     if status == LOCKED:
         return t
-    return math.inf if status == TIMED_OUT else math.nan
+    return math.inf if status == TIMED_OUT else GIVEN_UP
 
 
 def _build_lanes(source: int) -> Callable[..., Any]:
@@ -178,7 +197,7 @@ def _build_lanes(source: int) -> Callable[..., Any]:
         active = none
         while True:
             while active < LANES and taken < len(samples):
-                sample = _sample(samples[taken])
+                sample = as_sample(samples[taken])
                 if is_possible(shared, sample):
                     start_lane(shared, sample, constants, states, control, active)
                     rows[active] = taken
@@ -217,7 +236,7 @@ def _build_rows(source: int) -> Callable[..., Any]:
         """
         steps = 0 * source  # source matters as a part of the cache key only
         for i in range(samples.shape[0]):
-            p = _sample(samples[i])
+            p = as_sample(samples[i])
             if not is_possible(shared, p):
                 times[i] = math.nan
                 continue
@@ -227,15 +246,7 @@ def _build_rows(source: int) -> Callable[..., Any]:
             status = RUNNING
             steps = 0
             while True:
-                if steps < record.shape[0]:
-                    point = record[steps]
-                    point[0] = state.t
-                    for k in range(5):
-                        point[1 + k] = state.q[k]
-                        point[6 + k] = state.v[k]
-                        point[11 + k] = state.a[k]
-                    point[16] = state.damping_B
-                    point[17] = state.damping_C
+                write_point(record, steps, state)
                 if status != RUNNING or steps == MAX_STEPS:
                     break
                 state, h, status = advance(w, state, h, tolerance)

@@ -14,8 +14,8 @@ from uqfold.mechanism.compiled import entry_point, fingerprint
 from uqfold.mechanism.ideal_lanes import LANES, follow, resting_lanes, start_lane
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.wing import (
-    SampleParameters,
     Samples,
+    as_sample,
     is_possible,
     sample_table,
     shared_parameters,
@@ -86,10 +86,7 @@ def _build(source: int) -> Callable[..., Any]:
             chunk = times[first : first + LANES]
             moving = 0
             for j in range(chunk.shape[0]):
-                row = samples[first + j]
-                p = SampleParameters(
-                    row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8]
-                )
+                p = as_sample(samples[first + j])
                 chunk[j] = math.nan
                 if not is_possible(f, p):
                     continue

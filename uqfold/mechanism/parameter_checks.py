@@ -6,6 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from uqfold.mechanism.scales import (
+    LEAST_CLEARANCE,
+    LONGEST_ARMS,
+    LONGEST_TIME,
+    MOST_VIBRATIONS,
+    hertz_stiffness,
+    scales_of,
+)
+
 if TYPE_CHECKING:
     from uqfold.mechanism.parameters import WingParameters
 
@@ -88,4 +97,66 @@ def check_assembly(wing: WingParameters) -> None:
             f"x_lock = {wing.x_lock} m is unreachable: joint C would be {reach:.6g} m from A, "
             f"but the arms allow {abs(wing.l_1 - wing.l_2):.6g} to {wing.l_1 + wing.l_2:.6g} m;"
             " choose x_lock within reach"
+        )
+
+
+def check_scales(wing: WingParameters) -> None:
+    """Raise ValueError where a wing is outside the model, or too extreme to be resolved.
+
+    Every bound lies orders of magnitude beyond the wings of the paper; see `scales`.
+    """
+    if wing.C_e < 1e-3:
+        raise ValueError(
+            f"C_e = {wing.C_e}: impacts that return less than a thousandth of their speed are "
+            "plastic, which none of the contact laws describes; give at least 0.001"
+        )
+    if wing.C_f > 10:
+        raise ValueError(f"C_f = {wing.C_f} is beyond any dry joint: give at most 10")
+    if wing.onset_velocity_floor < 1e-9:
+        raise ValueError(
+            f"onset_velocity_floor = {wing.onset_velocity_floor} m/s is below what an onset can "
+            "be resolved to: give at least 1e-9 m/s"
+        )
+    if not wing.friction_v_1 - wing.friction_v_0 >= 1e-9:
+        raise ValueError(
+            f"the friction ramp from friction_v_0 = {wing.friction_v_0} to friction_v_1 = "
+            f"{wing.friction_v_1} m/s is a jump: let it rise over at least 1e-9 m/s"
+        )
+    if abs(wing.theta_1_initial) > 2 * math.pi:
+        raise ValueError(
+            f"theta_1_initial = {wing.theta_1_initial} rad is more than a whole turn: give the "
+            "angle within -2 pi and 2 pi"
+        )
+    arms = wing.l_1 + wing.l_2
+    if arms > LONGEST_ARMS:
+        raise ValueError(
+            f"l_1 + l_2 = {arms:.6g} m is too long for events to be located to 1e-13 m: give arms "
+            f"of at most {LONGEST_ARMS:g} m together"
+        )
+    clearance = min(wing.C_r_B, wing.C_r_C)
+    if clearance < LEAST_CLEARANCE * arms:
+        raise ValueError(
+            f"C_r = {clearance} m cannot be resolved beside arms of {arms:.6g} m: give at least "
+            f"{LEAST_CLEARANCE * arms:.3g} m, or take the model with ideal joints"
+        )
+    if wing.t_max > LONGEST_TIME:
+        raise ValueError(
+            f"t_max = {wing.t_max} s is too long for time steps to be resolved; the drive ends at "
+            f"0.62 s: give at most {LONGEST_TIME:g} s"
+        )
+    K_B = hertz_stiffness(wing.R_b, wing.R_j_B, wing.E_b_B, wing.nu_b_B, wing.E_j_B, wing.nu_j_B)
+    K_C = hertz_stiffness(wing.R_b, wing.R_j_C, wing.E_b_C, wing.nu_b_C, wing.E_j_C, wing.nu_j_C)
+    scale = scales_of(wing, wing, K_B, K_C)
+    # written so that NaN, from infinity times zero, is refused
+    if not scale.load <= scale.capacity:
+        raise ValueError(
+            f"loads of up to {scale.load:.3g} N would press a journal through its bearing, which "
+            f"bears {scale.capacity:.3g} N at a depth of R_b = {wing.R_b} m: reduce k_d, V_q or "
+            "the masses, or give a larger R_b, a smaller clearance or stiffer materials"
+        )
+    if not scale.frequency * wing.t_max <= MOST_VIBRATIONS:
+        raise ValueError(
+            f"contact may vibrate at {scale.frequency:.3g} rad/s, too fast to be resolved within "
+            f"t_max = {wing.t_max} s: give heavier bodies, softer materials, or a t_max of at "
+            f"most {MOST_VIBRATIONS / scale.frequency:.3g} s"
         )

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args
 
-from uqfold.mechanism.parameter_checks import check_assembly, check_joints, checked
+from uqfold.mechanism.parameter_checks import check_assembly, check_joints, check_scales, checked
 
 ContactLaw = Literal["lankarani-nikravesh", "hunt-crossley", "flores-2011", "gonthier"]
 TangentialVelocity = Literal["geometric", "material"]
@@ -125,8 +125,10 @@ class WingParameters:
     Raises
     ------
     ValueError
-        If a value is not a finite number or is physically impossible; the message names the field,
-        the value and the remedy. Also if a field is given by its own and by the common name.
+        If a value is not a finite number or is physically impossible, or if the scales of the wing
+        lie beyond the model or double precision (see `uqfold.mechanism.scales`); the message names
+        the field, the value and the remedy. Also if a field is given by its own and by the common
+        name.
     TypeError
         If a name is neither a field nor one of the common names.
 
@@ -187,6 +189,7 @@ class WingParameters:
             object.__setattr__(self, field.name, given.get(field.name, field.default))
         check_joints(self)
         check_assembly(self)
+        check_scales(self)
 
     def __repr__(self) -> str:
         """Show what differs from Table 1."""

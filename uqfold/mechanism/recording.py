@@ -10,11 +10,11 @@ import numpy as np
 from uqfold.mechanism.compiled import entry_point, fingerprint, kernel
 from uqfold.mechanism.deployment import (
     DEFAULT_TOLERANCE,
-    MAX_STEPS,
-    RECORD_WIDTH,
+    GIVEN_UP,
     FloatArray,
     check_tolerance,
     deploy_rows,
+    warn_of_rough,
 )
 from uqfold.mechanism.events import State, Step, within
 from uqfold.mechanism.loads import drive_force
@@ -26,6 +26,8 @@ from uqfold.mechanism.motion import (
     joint_force,
 )
 from uqfold.mechanism.parameters import WingParameters
+from uqfold.mechanism.record import NO_RECORD, RECORD_WIDTH
+from uqfold.mechanism.stiff import deploy_stiff
 from uqfold.mechanism.wing import (
     WingConstants,
     sample_parameters,
@@ -111,22 +113,27 @@ def trajectory(parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERAN
     ------
     ValueError
         If the tolerance is not positive.
-    RuntimeError
-        If the integration fails or takes more than `MAX_STEPS` time steps.
+
+    Warns
+    -----
+    RuntimeWarning
+        If even implicit steps could not follow the motion with its error under control.
     """
     check_tolerance(tolerance)
     shared = shared_parameters(parameters)
     sample = sample_parameters(parameters)
     samples = np.array([sample])
     times = np.empty(1)
-    steps = deploy_rows(shared, samples, float(tolerance), times, np.empty((0, RECORD_WIDTH)))
-    if np.isnan(times[0]):
-        raise RuntimeError(
-            f"the integration of {parameters} with tolerance = {tolerance} m came to a halt after "
-            f"{steps} of {MAX_STEPS} time steps: try another tolerance"
-        )
-    record = np.empty((steps + 1, RECORD_WIDTH))
-    deploy_rows(shared, samples, float(tolerance), times, record)
+    steps = deploy_rows(shared, samples, float(tolerance), times, NO_RECORD)
+    if times[0] == GIVEN_UP:
+        _, rough, steps = deploy_stiff(shared, samples[0], float(tolerance), NO_RECORD)
+        record = np.empty((steps + 1, RECORD_WIDTH))
+        times[0] = deploy_stiff(shared, samples[0], float(tolerance), record)[0]
+        if rough:
+            warn_of_rough(1, 1)
+    else:
+        record = np.empty((steps + 1, RECORD_WIDTH))
+        deploy_rows(shared, samples, float(tolerance), times, record)
     contact = np.empty((steps + 1, 2, 4))
     energy = np.zeros((steps + 1, 8))
     _audit(shared, sample, record, _NODES, _WEIGHTS, contact, energy)

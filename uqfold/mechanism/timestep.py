@@ -37,16 +37,22 @@ RUNNING, LOCKED, TIMED_OUT, FAILED = 0, 1, 2, 3
 FIRST_STEP = 1e-4
 """First time step tried (s)."""
 
-_LARGEST_STEP = 5e-3
+LARGEST_STEP = 5e-3
+"""Largest time step (s)."""
+
 SMALLEST_STEP = 1e-13
 """Time step (s) below which an integration has failed."""
 
-# Errors of velocities count as errors of positions over this time (s), about that in which
-# contact vibration turns the one into the other.
-_VIBRATION_TIME = 1 / 3000
-_SAFETY = 0.85
-# A smaller local error (in units of the tolerance) lets the time step grow no further.
-_NO_ERROR = 1e-12
+VIBRATION_TIME = 1 / 3000
+"""Errors of velocities count as errors of positions over this time (s), about that in which
+contact vibration turns the one into the other."""
+
+SAFETY = 0.85
+"""Next time step over the one that the error estimate would just allow."""
+
+NO_ERROR = 1e-12
+"""A smaller local error (in units of the tolerance) lets the time step grow no further."""
+
 LARGEST_GROWTH = 5.0
 """Largest growth from one time step to the next, unless the latter is a repetition."""
 
@@ -78,7 +84,7 @@ def _weighted(k_1: Five, k_2: Five, k_3: Five, k_4: Five) -> Five:
 
 
 @inlined
-def _size(w: WingConstants, x: Five, y: Five) -> float:
+def size(w: WingConstants, x: Five, y: Five) -> float:
     """Difference of two rates of the coordinates, angles taken at the joints; keeps NaN."""
     return (
         w.l_1 * abs(x[0] - y[0])
@@ -96,7 +102,7 @@ def _largest(x: float, y: float) -> float:
 
 
 @inlined
-def _largest_turn(q: Five, q_new: Five) -> float:
+def largest_turn(q: Five, q_new: Five) -> float:
     """Return the larger turn of crank and rod between two poses (rad)."""
     return _largest(abs(q_new[0] - q[0]), abs(q_new[3] - q[3]))
 
@@ -141,8 +147,8 @@ def _runge_kutta(
     v_1 = _shift(v, h, _weighted(a, a_2, a_3, a_4))
     d_1 = turned(d, q, q_1)
     a_1 = accelerations(w, q_1, v_1, d_1, z_B, z_C, drive)
-    error = 0.1 * h * (_size(w, v_4, v_1) + _VIBRATION_TIME * _size(w, a_4, a_1)) / tolerance
-    turn = _largest(_largest_turn(q, q_4), _largest_turn(q, q_1)) * (1 / LARGEST_TURN)
+    error = 0.1 * h * (size(w, v_4, v_1) + VIBRATION_TIME * size(w, a_4, a_1)) / tolerance
+    turn = _largest(largest_turn(q, q_4), largest_turn(q, q_1)) * (1 / LARGEST_TURN)
     return q_1, v_1, a_1, d_1, _largest(error, turn * turn * turn * turn)
 
 
@@ -156,7 +162,7 @@ def initial_state(w: WingConstants, q: Five) -> State:
 
 
 @kernel
-def _switched(w: WingConstants, damping: float, onset_velocity: float) -> float:
+def switched(w: WingConstants, damping: float, onset_velocity: float) -> float:
     """Damping of a contact (s/m) after it has begun, or ended if there was one.
 
     The penetration velocity at onset is held as long as the contact lasts.
@@ -176,9 +182,9 @@ def _cut(w: WingConstants, step: Step, s: float, switch_B: bool, switch_C: bool)
     z_B = step.start.damping_B
     z_C = step.start.damping_C
     if switch_B:
-        z_B = _switched(w, z_B, g[1])
+        z_B = switched(w, z_B, g[1])
     if switch_C:
-        z_C = _switched(w, z_C, g[3])
+        z_C = switched(w, z_C, g[3])
     return State(
         t, q, v, accelerations(w, q, v, d, z_B, z_C, drive_force(t, w.k_d)), d, g, z_B, z_C
     )
@@ -224,14 +230,14 @@ def attempt(
     Attempt
         The step, to be accepted if its error is at most 1.
     """
-    h = h if h < _LARGEST_STEP else _LARGEST_STEP
+    h = h if h < LARGEST_STEP else LARGEST_STEP
     # a hair's breadth more is taken in, rather than left over as a tiny step
     lands = start.t + 1.0001 * h >= corner
     taken = corner - start.t if lands else h
     q, v, a, d, error = _runge_kutta(w, start, taken, tolerance)
     t = corner if lands else start.t + taken
     end = State(t, q, v, a, d, gaps(w, q, v, d), start.damping_B, start.damping_C)
-    factor = _SAFETY / math.sqrt(math.sqrt(_largest(error, _NO_ERROR)))
+    factor = SAFETY / math.sqrt(math.sqrt(_largest(error, NO_ERROR)))
     next_h = taken * (factor if factor < growth else growth)
     return Attempt(end, taken, lands, error, h if lands and h > next_h else next_h)
 
@@ -240,7 +246,7 @@ def attempt(
 def shortened(taken: float, error: float) -> float:
     """Time step (s) to try after one of length `taken` had too large an error, or NaN."""
     if error < math.inf:
-        return taken * max(_SAFETY / math.sqrt(math.sqrt(error)), _LARGEST_CUT)
+        return taken * max(SAFETY / math.sqrt(math.sqrt(error)), _LARGEST_CUT)
     return taken * _LARGEST_CUT
 
 

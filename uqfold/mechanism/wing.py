@@ -6,10 +6,11 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uqfold.mechanism.compiled import kernel
+from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.contact import hertz_stiffness, hysteresis_factor
 from uqfold.mechanism.loads import drag_coefficient, gravity_force
 from uqfold.mechanism.parameters import WingParameters, spread
+from uqfold.mechanism.scales import are_resolved, scales_of
 
 
 class SharedParameters(NamedTuple):
@@ -180,6 +181,25 @@ def sample_table(parameters: WingParameters, given: Samples) -> NDArray[np.float
     return np.column_stack(np.broadcast_arrays(*columns.values()))
 
 
+@inlined
+def as_sample(row: NDArray[np.float64]) -> SampleParameters:
+    """Row of a table of samples by name."""
+    return SampleParameters(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
+
+
+_scales_of = kernel(scales_of)
+_are_resolved = kernel(are_resolved)
+
+
+@kernel
+def _stiffnesses(f: SharedParameters, p: SampleParameters) -> tuple[float, float]:
+    """Stiffness (6) of the joints B and C (N/m^1.5)."""
+    return (
+        hertz_stiffness(f.R_b, f.R_b - p.C_r_B, f.E_b_B, f.nu_b_B, f.E_j_B, f.nu_j_B),
+        hertz_stiffness(f.R_b, f.R_b - p.C_r_C, f.E_b_C, f.nu_b_C, f.E_j_C, f.nu_j_C),
+    )
+
+
 @kernel
 def wing_constants(f: SharedParameters, p: SampleParameters) -> WingConstants:
     """Masses (19), joint stiffness (6), drag (14) and weights (16) of one wing."""
@@ -188,8 +208,7 @@ def wing_constants(f: SharedParameters, p: SampleParameters) -> WingConstants:
     m_3 = f.rho_3 * f.V_3
     J_1 = m_1 * (p.l_1 * p.l_1 + f.w_1 * f.w_1) / 12.0
     J_2 = m_2 * (p.l_2 * p.l_2 + f.w_2 * f.w_2) / 12.0
-    R_j_B = f.R_b - p.C_r_B
-    R_j_C = f.R_b - p.C_r_C
+    K_B, K_C = _stiffnesses(f, p)
     return WingConstants(
         p.l_1,
         0.5 * p.l_1,
@@ -200,14 +219,14 @@ def wing_constants(f: SharedParameters, p: SampleParameters) -> WingConstants:
         1.0 / p.C_r_B,
         1.0 / p.C_r_C,
         f.R_b,
-        R_j_B,
-        R_j_C,
+        f.R_b - p.C_r_B,
+        f.R_b - p.C_r_C,
         1.0 / (J_1 + m_1 * (0.5 * p.l_1) ** 2),
         1.0 / m_2,
         1.0 / J_2,
         1.0 / m_3,
-        hertz_stiffness(f.R_b, R_j_B, f.E_b_B, f.nu_b_B, f.E_j_B, f.nu_j_B),
-        hertz_stiffness(f.R_b, R_j_C, f.E_b_C, f.nu_b_C, f.E_j_C, f.nu_j_C),
+        K_B,
+        K_C,
         f.hysteresis,
         f.onset_velocity_floor,
         f.C_f,
@@ -240,7 +259,7 @@ def initial_pose(
 
 @kernel
 def is_possible(f: SharedParameters, p: SampleParameters) -> bool:
-    """Whether a wing with these parameters can be built and starts ahead of its lock."""
+    """Whether such a wing can be built, starts ahead of its lock, and has scales of the model."""
     for value in p:
         if not math.isfinite(value):
             return False
@@ -252,4 +271,7 @@ def is_possible(f: SharedParameters, p: SampleParameters) -> bool:
     if abs(rise) >= p.l_2:
         return False
     run = math.sqrt(p.l_2 * p.l_2 - rise * rise)
-    return p.l_1 * math.cos(f.theta_1_initial) - run < f.x_lock
+    if not p.l_1 * math.cos(f.theta_1_initial) - run < f.x_lock:
+        return False
+    K_B, K_C = _stiffnesses(f, p)
+    return bool(_are_resolved(f, p, _scales_of(f, p, K_B, K_C)))

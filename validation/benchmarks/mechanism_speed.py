@@ -26,7 +26,8 @@ import numpy as np
 from mechanism_peers import Solver
 
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
-from uqfold.mechanism.deployment import RECORD_WIDTH, deploy_rows
+from uqfold.mechanism.deployment import deploy_rows
+from uqfold.mechanism.record import NO_RECORD
 from uqfold.mechanism.wing import sample_table, shared_parameters
 
 Draws = dict[str, Any]
@@ -136,11 +137,10 @@ def measure_ours(draws: Draws, reference: np.ndarray, copies: int) -> tuple[Resu
     """Scalar form and lanes on one core."""
     samples = sample_table(PARAMETERS, draws)
     shared = shared_parameters(PARAMETERS)
-    record = np.empty((0, RECORD_WIDTH))
 
     def scalar() -> np.ndarray:
         times = np.empty(len(samples))
-        deploy_rows(shared, samples, DEFAULT_TOLERANCE, times, record)
+        deploy_rows(shared, samples, DEFAULT_TOLERANCE, times, NO_RECORD)
         return times
 
     many: Draws = {name: np.tile(values, copies) for name, values in draws.items()}

@@ -1,0 +1,102 @@
+"""Motions too stiff for explicit steps are followed to their end, in bounded time.
+
+`stiff_wings.json` holds wings, drawn at random far from the paper's, that explicit steps give up:
+friction that sticks, contacts that damp hard, tens of kN on light arms. Those under "rough" vibrate
+without loss, or gain energy from `geometric` friction, until no method can follow.
+"""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times, trajectory
+from uqfold.mechanism.deployment import GIVEN_UP, MAX_STEPS, deploy_lanes
+from uqfold.mechanism.record import NO_RECORD
+from uqfold.mechanism.stiff import COARSE_STEPS, MAX_STIFF_STEPS, deploy_stiff
+from uqfold.mechanism.wing import sample_table, shared_parameters
+
+TABLE_6 = WingParameters(C_r=0.0015)
+_STORED = json.loads((Path(__file__).parent / "stiff_wings.json").read_text())
+STIFF = [WingParameters(**values) for values in _STORED["under control"]]
+ROUGH = [WingParameters(**values) for values in _STORED["rough"]]
+LOCKING = STIFF[1]
+
+
+def explicit_time(wing, tolerance=DEFAULT_TOLERANCE, max_steps=MAX_STEPS):
+    times = np.empty(1)
+    deploy_lanes(shared_parameters(wing), sample_table(wing, {}), tolerance, max_steps, times)
+    return times[0]
+
+
+def stiff_time(wing, tolerance=DEFAULT_TOLERANCE):
+    time, rough, steps = deploy_stiff(
+        shared_parameters(wing), sample_table(wing, {})[0], tolerance, NO_RECORD
+    )
+    return time, rough, steps
+
+
+@pytest.mark.parametrize("wing", STIFF)
+def test_a_motion_that_explicit_steps_give_up_comes_to_its_end(wing):
+    assert explicit_time(wing) == GIVEN_UP
+    t = deployment_times(wing)[0]
+    assert t == math.inf or 0 < t <= wing.t_max
+
+
+@pytest.mark.parametrize("wing", ROUGH)
+def test_a_motion_that_none_can_follow_is_cut_short_with_a_warning(wing):
+    with pytest.warns(RuntimeWarning, match="1 of 2 motions vibrate .* are rough"):
+        times = deployment_times(wing, V_q=[wing.V_q, math.nan])
+    assert times[0] == math.inf or 0 < times[0] <= wing.t_max
+    assert math.isnan(times[1])
+    time, rough, steps = stiff_time(wing)
+    assert (time, rough) == (times[0], True)
+    # and as many as the drive has corners
+    assert steps <= MAX_STIFF_STEPS + COARSE_STEPS + 3
+
+
+def test_times_are_those_of_explicit_steps_with_more_patience():
+    patient = explicit_time(LOCKING, tolerance=1e-7, max_steps=20 * MAX_STEPS)
+    assert 0 < patient < LOCKING.t_max
+    assert stiff_time(LOCKING)[0] == pytest.approx(patient, abs=5e-5)
+    assert stiff_time(LOCKING, tolerance=1e-8)[0] == pytest.approx(patient, abs=5e-6)
+
+
+@pytest.mark.parametrize("velocity", ["geometric", "material"])
+def test_ordinary_wings_get_the_same_times(velocity):
+    wing = TABLE_6.replace(tangential_velocity=velocity)
+    rng = np.random.default_rng(20)
+    draws = {"k_d": rng.normal(550, 10, 40), "b": rng.normal(0.007, 0.00025, 40)}
+    shared = shared_parameters(wing)
+    results = [
+        deploy_stiff(shared, row, DEFAULT_TOLERANCE, NO_RECORD) for row in sample_table(wing, draws)
+    ]
+    assert not any(rough for _, rough, _ in results)
+    error = np.array([time for time, _, _ in results])
+    error -= deployment_times(wing, tolerance=1e-11, **draws)
+    assert np.median(np.abs(error)) <= 2e-5
+    assert np.max(np.abs(error)) <= 3e-4
+
+
+def test_a_wing_that_never_locks_does_not():
+    assert stiff_time(TABLE_6.replace(k_d=150))[0] == math.inf
+
+
+def test_the_motion_of_a_stiff_wing_balances_its_energies():
+    # the power of friction that sticks is far stiffer than the motion: it asks for short steps
+    motion = trajectory(LOCKING, tolerance=1e-7)
+    assert motion.deployment_time == deployment_times(LOCKING, tolerance=1e-7)[0]
+    assert motion.time[-1] == motion.deployment_time
+    assert motion.coordinates[-1, 4] == pytest.approx(LOCKING.x_lock, abs=1e-12)
+    turned_over = np.abs(motion.work_drive).max()
+    assert np.abs(motion.energy_residual).max() < 0.01 * turned_over
+    assert motion.contact_loss[-1].sum() + motion.friction_loss[-1].sum() > 0.03 * turned_over
+
+
+def test_a_rough_motion_is_recorded_with_a_warning():
+    with pytest.warns(RuntimeWarning, match="1 of 1 motions vibrate"):
+        motion = trajectory(ROUGH[1])
+    assert np.all(np.isfinite(motion.coordinates))
+    assert motion.time[-1] <= ROUGH[1].t_max
