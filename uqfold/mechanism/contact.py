@@ -79,7 +79,10 @@ def contact_forces(
     tuple of two floats
         Force along the normal n (N), never negative, and along the tangent t (N). The journal
         drags the bearing along, so friction takes energy out: this is the sign opposite to the
-        printed one, which would feed energy in.
+        printed one, which would feed energy in. The correction c_d, which rises from 0 at v_0 to 1,
+        is that of J. A. C. Ambrosio, in: Virtual Nonlinear Multibody Systems (2003) 57-81; in full
+        in P. Flores, J. Ambrosio, J. C. P. Claro and H. M. Lankarani, Proc. IMechE K, J. Multi-body
+        Dyn. 220 (2006) 21-34.
     """
     normal = stiffness * penetration * math.sqrt(penetration) * (1.0 + damping * rate)
     normal = max(normal, 0.0)

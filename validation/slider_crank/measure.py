@@ -11,6 +11,9 @@ with. Put in words, and judged here, is that the mechanism runs regularly at som
 chaotically at others (abstract of the paper on clearance size and friction in Proc. ASME IDETC-CIE
 2003, vol. 37033, p. 2679). That a smaller clearance brings it closer to the ideal mechanism is a
 matter of course, and judged as well.
+
+Formulas of the contact laws, titles and pages were checked against reference lists and codes of
+others. The dimensions could not be: the papers' text was not at hand when they were written down.
 """
 
 from __future__ import annotations
