@@ -214,7 +214,7 @@ def _check_one(study: Study, store: Path | None, invocation: Invocation, *, run:
     compared = 0
     for name, columns in study.columns.items():
         found = compare_tables(
-            committed[name], fresh[name], columns, study.indices[name], study.check
+            committed[name], fresh[name], columns, study.identities[name], study.check
         )
         compared += found.numbers
         problems += [f"{name}: {difference}" for difference in found.differences]

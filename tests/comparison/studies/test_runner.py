@@ -18,7 +18,7 @@ from uqfold.comparison.studies import (
 )
 from uqfold.comparison.studies.check import compare_tables
 from uqfold.comparison.studies.results import write_record, write_table
-from uqfold.comparison.studies.study import RUN_COLUMNS, RUN_INDEX
+from uqfold.comparison.studies.study import RUN_COLUMNS, RUN_IDENTITY
 from uqfold.problems import series
 from uqfold.report.studies import figure_kinds, table_kinds
 
@@ -178,7 +178,7 @@ def test_comparison_finds_a_planted_difference(study: Study, tmp_path: Path) -> 
     tolerances = {"relative": 1e-6, "absolute": 1e-12, "standard_errors": 5.0}
 
     def compared(fresh: pd.DataFrame) -> list[str]:
-        return compare_tables(body, fresh, RUN_COLUMNS, RUN_INDEX, tolerances).differences
+        return compare_tables(body, fresh, RUN_COLUMNS, RUN_IDENTITY, tolerances).differences
 
     assert compared(body) == []
     changed = body.copy()

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from uqfold.comparison.studies.keys import RowIdentity
+
 if TYPE_CHECKING:
     import pandas as pd
 
-_SAMPLE = ("seed", "n_evals")
-"""Columns that say which sample an estimate comes from; a budget changes it only if used up."""
-
+_LOOSE = ("max_evals", "seed")
+"""Columns in which a partner may differ where none has the very same index."""
 _DERIVED = ("beta", "error")
 """Columns that follow from others, and magnify their rounding where they are close to zero."""
 
@@ -25,14 +26,14 @@ class Agreement:
     ----------
     numbers
         How many numbers were compared.
-    without_partner
-        Fresh rows of another sample that state no error by which they could be compared.
+    without_error
+        How many estimates of other samples state no error by which they could be compared.
     differences
         What differs, in words.
     """
 
     numbers: int = 0
-    without_partner: int = 0
+    without_error: int = 0
     differences: list[str] = field(default_factory=list)
 
 
@@ -40,15 +41,15 @@ def compare_tables(
     committed: pd.DataFrame,
     fresh: pd.DataFrame,
     columns: Mapping[str, type],
-    index: Sequence[str],
+    identity: RowIdentity,
     tolerances: Mapping[str, float],
 ) -> Agreement:
     """Hold fresh rows against committed ones.
 
-    A fresh row is compared with the committed row of the same `index`, or else of the same index
-    but for budget and seed. If both come from the same sample (seed and model runs), all numbers
-    have to agree to the relative and absolute tolerance; if not, the two ``pf`` in their joint
-    standard errors.
+    A fresh row is compared with the committed row of the same index, or else of the same index but
+    for budget and seed. If both come from the same sample, all their numbers have to agree to the
+    relative and absolute tolerance. If not, numbers that depend on no sample still have to, and
+    estimates have to agree in their joint standard errors.
 
     Parameters
     ----------
@@ -56,46 +57,43 @@ def compare_tables(
         Tables with `columns`.
     columns
         Column -> type.
-    index
-        Columns that identify a row.
+    identity
+        How rows are matched.
     tolerances
         ``relative``, ``absolute`` and ``standard_errors``.
     """
     found = Agreement()
-    values = [
-        name
-        for name, kind in columns.items()
-        if kind is float and name not in index and name not in _DERIVED
-    ]
-    loose = [name for name in index if name not in {"max_evals", *_SAMPLE}]
+    index = identity.index
+    loose = [name for name in index if name not in _LOOSE]
     known = {_key(row, index): row for row in committed.to_dict("records")}
     alike = {_key(row, loose): row for row in known.values()}
     for row in fresh.to_dict("records"):
         shown = ", ".join(f"{name} = {row[name]}" for name in index if not _missing(row[name]))
-        partner = known.get(_key(row, index))
+        partner = known.get(_key(row, index)) or alike.get(_key(row, loose))
         if partner is None:
-            partner = alike.get(_key(row, loose))
-            if partner is None:
-                found.differences.append(f"{shown}: not among the committed rows")
+            found.differences.append(f"{shown}: not among the committed rows")
+            continue
+        estimates, sampled = identity.estimates, set(identity.sampled)
+        if _key(row, identity.sample) == _key(partner, identity.sample):
+            estimates, sampled = {}, set()
+        sampled |= {*estimates, *estimates.values(), *identity.sample, *index, *_DERIVED}
+        for name in (one for one, kind in columns.items() if kind is float and one not in sampled):
+            found.numbers += 1
+            if not _same(partner[name], row[name], tolerances):
+                found.differences.append(
+                    f"{shown}: {name} = {row[name]!r}, committed {partner[name]!r}"
+                )
+        for name, error_name in estimates.items():
+            error = math.hypot(row[error_name], partner[error_name])
+            if math.isnan(error):
+                found.without_error += 1
                 continue
-        if all(partner.get(name) == row.get(name) for name in _SAMPLE):
-            for name in values:
-                found.numbers += 1
-                if not _same(partner[name], row[name], tolerances):
-                    found.differences.append(
-                        f"{shown}: {name} = {row[name]!r}, committed {partner[name]!r}"
-                    )
-            continue
-        error = math.hypot(row.get("std_error", math.nan), partner.get("std_error", math.nan))
-        if math.isnan(error):
-            found.without_partner += 1
-            continue
-        found.numbers += 1
-        if not abs(row["pf"] - partner["pf"]) <= tolerances["standard_errors"] * error:
-            found.differences.append(
-                f"{shown}: pf = {row['pf']!r}, committed {partner['pf']!r} from another sample, "
-                f"joint standard error {error:.2g}"
-            )
+            found.numbers += 1
+            if not abs(row[name] - partner[name]) <= tolerances["standard_errors"] * error:
+                found.differences.append(
+                    f"{shown}: {name} = {row[name]!r}, committed {partner[name]!r} from another "
+                    f"sample, joint standard error {error:.2g}"
+                )
     return found
 
 

@@ -72,17 +72,21 @@ def _missions(content: Any, place: Place) -> Missions:
         raise place.error(str(error)) from error
 
 
+def _seed(content: Any, place: Place) -> int:
+    if isinstance(content, bool) or not isinstance(content, int) or content < 0:
+        raise place.error(f"{content!r}: a seed is a whole number >= 0")
+    return content
+
+
 def _seeds(content: Any, place: Place) -> tuple[int, ...]:
     if isinstance(content, int) and not isinstance(content, bool):
         return tuple(range(int(COUNT.read(content, place))))
     if not isinstance(content, list) or not content:
         raise place.error(f"{content!r}: give a number of seeds, or a list of seeds")
-    for i, seed in enumerate(content):
-        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-            raise place.at(i).error(f"{seed!r}: a seed is a whole number >= 0")
-    if len(set(content)) != len(content):
+    seeds = tuple(_seed(seed, place.at(i)) for i, seed in enumerate(content))
+    if len(set(seeds)) != len(seeds):
         raise place.error("a seed occurs twice")
-    return tuple(content)
+    return seeds
 
 
 NUMBERS = Value(
@@ -90,4 +94,5 @@ NUMBERS = Value(
 )
 TAUS = list_of(Value("number >= 0, or the text none", _tau))
 MISSIONS = list_of(Value("whole number, or a table with planned and p", _missions))
+SEED = Value("whole number >= 0", _seed)
 SEEDS = Value("how many seeds (counted from 0), or a list of them", _seeds)

@@ -60,6 +60,28 @@ class Key:
 
 
 @dataclass(frozen=True)
+class RowIdentity:
+    """How rows of two runs of a study are matched and compared.
+
+    Attributes
+    ----------
+    index
+        Columns that identify a row.
+    sample
+        Columns that tell one random sample from another; where they agree, so must all numbers.
+    estimates
+        Column -> column of its standard error, for estimates from different samples.
+    sampled
+        Further columns that depend on the sample, and are not compared between different ones.
+    """
+
+    index: tuple[str, ...]
+    sample: tuple[str, ...] = ()
+    estimates: Mapping[str, str] = field(default_factory=dict)
+    sampled: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Kind:
     """One kind of analysis, figure or table, as the registries hold them.
 
@@ -76,8 +98,8 @@ class Kind:
     columns
         Analyses only: column -> type (`str`, `int`, `float`) of the table it makes; NaN stands
         for "none" in the float columns.
-    index
-        Analyses only: the columns that identify a row.
+    identity
+        Analyses only: what identifies a row, and what in it depends on a sample.
     needs
         Figures and tables only: columns that the tables they read must have.
     picture
@@ -90,7 +112,7 @@ class Kind:
     keys: tuple[Key, ...]
     call: Callable[..., Any]
     columns: Mapping[str, type] = field(default_factory=dict)
-    index: tuple[str, ...] = ()
+    identity: RowIdentity = RowIdentity(())
     needs: tuple[str, ...] = ()
     picture: str = "png"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from uqfold.comparison.studies.keys import (
     TEXT,
     Key,
     Kind,
+    RowIdentity,
     choice,
     list_of,
 )
@@ -36,8 +37,13 @@ RUN_COLUMNS: dict[str, type] = {
 """Columns of the table of a run: those of a comparison with the budget, the problem by its name in
 the study, and without what changes from one run to the next."""
 
-RUN_INDEX = ("problem", "label", "threshold", "tau", "missions", "max_evals", "seed")
-"""Columns that identify a row of it."""
+RUN_IDENTITY = RowIdentity(
+    index=("problem", "label", "threshold", "tau", "missions", "max_evals", "seed"),
+    # a budget changes the sample only if it is used up
+    sample=("seed", "n_evals"),
+    estimates={"pf": "std_error"},
+    sampled=("reliability", "ci_low", "ci_high", "pf_low", "pf_high"),
+)
 
 STUDY_KEYS = (
     Key("schema", choice(SCHEMA), "Schema of the file."),
@@ -159,11 +165,11 @@ class Study:
         }
 
     @property
-    def indices(self) -> dict[str, Sequence[str]]:
-        """Name -> columns that identify a row, of every table."""
+    def identities(self) -> dict[str, RowIdentity]:
+        """Name -> what identifies a row of every table."""
         return {
-            PROBLEMS: ("problem",),
-            INPUTS: ("problem", "input"),
-            **{run.name: RUN_INDEX for run in self.runs},
-            **{analysis.name: analysis.kind.index for analysis in self.analyses},
+            PROBLEMS: RowIdentity(("problem",)),
+            INPUTS: RowIdentity(("problem", "input")),
+            **{run.name: RUN_IDENTITY for run in self.runs},
+            **{analysis.name: analysis.kind.identity for analysis in self.analyses},
         }

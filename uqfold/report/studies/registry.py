@@ -15,6 +15,7 @@ from uqfold.comparison.studies.registry import loaded_kinds
 _FIGURES: dict[str, str] = {
     "animation": "uqfold.report.studies.mechanism:ANIMATION",
     "conditions": "uqfold.report.studies.conditions:CONDITIONS",
+    "independence": "uqfold.report.studies.independence:INDEPENDENCE",
     "mechanism": "uqfold.report.studies.mechanism:MECHANISM",
     "motion": "uqfold.report.studies.mechanism:MOTION",
     "reliability": "uqfold.report.studies.reliability:RELIABILITY",

@@ -33,9 +33,9 @@ from uqfold.report.studies.selection import (
     selected,
     value_text,
 )
+from uqfold.report.studies.stacked import limit_pf, stacked_panels, threshold_label
 from uqfold.report.style import (
     BAND_COLOR,
-    COLUMN_INCHES,
     REFERENCE_LINE,
     MethodStyle,
     figure_settings,
@@ -55,9 +55,6 @@ PARTS = {
     "error": "error of pf, Eq. (49)",
 }
 HEIGHTS = {"reliability": 1.6, "pf": 1.8, "error": 1.8}
-LEGEND_ROW_INCHES = 0.17
-PANEL_INCHES = 2.6
-"""Width of a panel where there are several."""
 SMALLEST_ERROR = 1e-4
 
 
@@ -90,40 +87,29 @@ def draw_reliability(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
     SelectionError
         If no row is chosen.
     """
-    from matplotlib.figure import Figure
-
     frame = selected(joined(tables, settings["table"]), settings["where"])
     response, unit = response_axis(tables, frame["problem"].iloc[0])
     panels = distinct(frame, settings["panels"])
     lines = _lines(frame, settings["curves"])
     parts = settings["parts"]
     handles = _handles(frame, lines, settings, unit)
-    width = COLUMN_INCHES if len(panels) == 1 else PANEL_INCHES * len(panels)
-    columns = max(1, int(width / 1.6))
-    legend = LEGEND_ROW_INCHES * math.ceil(len(handles) / columns) + 0.1
-    figure = Figure(
-        figsize=(width, sum(HEIGHTS[part] for part in parts) + 0.45 + legend),
-        layout="constrained",
-    )
-    grid = figure.subplots(
-        len(parts),
-        len(panels),
-        squeeze=False,
-        sharex=True,
-        sharey="row",
-        height_ratios=[HEIGHTS[part] for part in parts],
-    )
+    figure, grid = stacked_panels([HEIGHTS[part] for part in parts], len(panels), handles)
     for j, panel in enumerate(panels):
         rows = having(frame, settings["panels"], panel)
         for part, axes in zip(parts, grid[:, j], strict=True):
             _draw(axes, rows, lines, part, settings)
         if settings["panels"] is not None:
             grid[0, j].set_title(value_text(settings["panels"], panel, unit))
-        grid[-1, j].set_xlabel(f"threshold $T$ on {response}{f' ({unit})' if unit else ''}")
+    # in the middle of several panels, where there is room for it
+    grid[-1, len(panels) // 2].set_xlabel(
+        threshold_label(response, unit),
+        x=0.0 if len(panels) % 2 == 0 else 0.5,
+    )
     for part, axes in zip(parts, grid[:, 0], strict=True):
         axes.set_ylabel(PARTS[part])
+        if part == "pf":
+            limit_pf(axes, [*frame["pf"], *frame["reference_pf"]], settings["smallest_pf"])
     figure.align_ylabels(grid[:, 0])
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
     return figure
 
 
@@ -147,7 +133,7 @@ def _lines(frame: pd.DataFrame, column: str | None) -> list[_Line]:
 def _draw(
     axes: Axes, frame: pd.DataFrame, lines: Sequence[_Line], part: str, settings: Mapping[str, Any]
 ) -> None:
-    column, floor = settings["curves"], settings["smallest_pf"]
+    column = settings["curves"]
     values = list(dict.fromkeys(line.value for line in lines))
     if settings["reference"] and part != "error":
         for value in values:
@@ -163,12 +149,17 @@ def _draw(
         draw_method(axes, curve, line.style, part == "pf", size=3.6, joined=True)
     if part == "pf":
         axes.set_yscale("log")
-        axes.set_ylim(floor, 1.5)
     elif part == "reliability":
         axes.set_ylim(-0.03, 1.03)
     else:
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
+        axes.yaxis.set_major_formatter(_percent_tick)
+
+
+def _percent_tick(value: float, _: float) -> str:
+    """Write an error; the smallest stands for all that are smaller still."""
+    below = "≤ " if math.isclose(value, SMALLEST_ERROR) else ""
+    return f"{below}{100.0 * value:g} %"
 
 
 def _draw_errors(axes: Axes, rows: Sequence[Mapping[str, Any]], style: MethodStyle) -> None:
@@ -197,6 +188,7 @@ def _handles(
 
     column = settings["curves"]
     several = len({line.label for line in lines}) > 1
+    filled = tuple(settings["parts"]) == ("error",)
     handles: list[Any] = []
     for line in lines:
         words = [line.label] if several or column is None else []
@@ -207,7 +199,7 @@ def _handles(
                 [],
                 color=line.style.color,
                 marker=line.style.marker,
-                markerfacecolor="white",
+                markerfacecolor=line.style.color if filled else "white",
                 markersize=4.5,
                 label=", ".join(words),
             )
@@ -255,7 +247,7 @@ RELIABILITY = Kind(
             ("reliability", "pf"),
         ),
         Key("reference", FLAG, "Whether to draw the references.", True),
-        Key("smallest_pf", NUMBER, "Lower end of the axis of pf.", 1e-7),
+        Key("smallest_pf", NUMBER, "Lower end of the axis of pf; without it, what is drawn.", None),
     ),
     draw_reliability,
     needs=("label", "threshold", "pf", "reference_pf", "error"),

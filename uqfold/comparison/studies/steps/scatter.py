@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from uqfold.comparison.studies.grids import MISSIONS, NUMBERS, TAUS
-from uqfold.comparison.studies.keys import COUNT, TEXT, Key, Kind, list_of
+from uqfold.comparison.studies.keys import COUNT, TEXT, Key, Kind, RowIdentity, list_of
 from uqfold.comparison.studies.registry import StepContext
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
@@ -170,5 +170,5 @@ SCATTER = Kind(
     ),
     scatter,
     COLUMNS,
-    ("problem", "label", "relative", "threshold", "tau", "missions"),
+    RowIdentity(("problem", "label", "relative", "threshold", "tau", "missions")),
 )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from uqfold.comparison.studies.document import Place, nearest
-from uqfold.comparison.studies.keys import NUMBER, TEXT, Key, Kind, Value
+from uqfold.comparison.studies.keys import NUMBER, TEXT, Key, Kind, RowIdentity, Value
 from uqfold.comparison.studies.registry import StepContext
 from uqfold.mechanism import WingParameters
 
@@ -105,5 +105,5 @@ TRAJECTORY = Kind(
     ),
     trajectory_table,
     {"step": int, **dict.fromkeys(NAMES, float)},
-    ("step",),
+    RowIdentity(("step",)),
 )
