@@ -183,7 +183,8 @@ def _make_results(
         # without a record, tables of an interrupted run are not taken for results
         (folder / FOLDER / RECORD_NAME).unlink(missing_ok=True)
         entries = [write_table(folder, table) for table in runner.tables()]
-    write_record(folder, study, shown_command(invocation.words), entries)
+    words = ["study", "run", shown_path(study.folder), *(["--quick"] if study.quick else [])]
+    write_record(folder, study, shown_command(words), entries)
     kept = {f"{entry.name}.csv" for entry in entries}
     for path in (folder / FOLDER).glob("*.csv"):
         if path.name not in kept:

@@ -141,6 +141,7 @@ def _making(study: Study, record: ResultsRecord) -> Iterator[str]:
         for entry in record.tables
     ]
     yield "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    yield "Times are of the run that made them; model runs kept from earlier ones take none."
     methods = dict.fromkeys(label for run in study.runs for label in run.methods)
     if methods:
         yield "\n".join(f"- `{label}`: `{study.methods[label]!r}`" for label in methods)
