@@ -79,17 +79,17 @@ def _closure(folder: Path, root: Path) -> set[Path]:
             continue
         found.add(path)
         if path.suffix == ".py":
-            waiting.extend(_imported(path, root))
+            names = _imported_names(path.read_text(encoding="utf-8"))
+            waiting.extend(file for name in names for file in _files(name, root))
             if path.is_relative_to(PACKAGE):
                 waiting.extend(path.parent.rglob("*.json"))
     return found
 
 
 @cache
-def _imported(path: Path, root: Path) -> tuple[Path, ...]:
-    """Files that one module imports from uqfold or from the cases' folders."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return tuple(file for name in _names(tree.body) for file in _files(name, root))
+def _imported_names(source: str) -> tuple[str, ...]:
+    """Dotted names that a module imports; the last part may be what a module defines."""
+    return tuple(_names(ast.parse(source).body))
 
 
 def _names(body: list[ast.stmt]) -> Iterator[str]:

@@ -1,0 +1,118 @@
+"""The command `uqfold validate`, on small cases."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.evidence.case_folder import DECLARED, MEASURE, make_case
+from tests.evidence.conftest import cases
+from uqfold.cli import main
+
+__all__ = ["cases"]
+
+
+def run(*words: object) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", *map(str, words)])
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture
+def three(cases: Path) -> Path:
+    make_case(cases, "a")
+    make_case(cases, "b", DECLARED.replace('"methods"', '"examples"'))
+    make_case(cases, "c", measure=MEASURE.replace("else 1.0", "else 2.5"))
+    return cases
+
+
+def test_what_does_not_hold_is_said(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert run("--quick", "--cases", three, "--out", out) == 1
+    text = capsys.readouterr().out
+    lines = [line.split() for line in text.splitlines()]
+    assert [line[1] for line in lines[1:4]] == ["b", "a", "c"]
+    assert "3 cases: 2 holds, 1 does not hold" in text
+    assert "- value: 2.5 (at most 2) - does not hold" in text
+    assert sorted(path.name for path in out.glob("*.json")) == ["a.json", "b.json", "c.json"]
+
+
+def test_all_that_hold_give_exit_code_0(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("a", "b", "--cases", three, "--out", tmp_path / "out") == 0
+    assert "2 of 2 planted faults caught" in capsys.readouterr().out
+    record = json.loads((tmp_path / "out" / "a.json").read_text(encoding="utf-8"))
+    assert (record["tier"], record["verdict"]) == ("default", "holds")
+
+
+def test_the_gate_fails_when_a_verdict_changes_and_only_then(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--quick", "--cases", three, "--out", tmp_path / "out")
+    assert run(*words, "--gate") == 1
+    assert "changed: a: no record of the quick tier is kept" in capsys.readouterr().err
+    run(*words, "--update", "--faults")
+    # a claim that did not hold before is no change
+    assert run(*words, "--gate") == 0
+    assert "no verdict has changed in 3 cases" in capsys.readouterr().err
+    (three / "a" / "measure.py").write_text(MEASURE.replace("else 1.0", "else 2.5"))
+    # as in a new process
+    import sys
+
+    for name in [one for one in sys.modules if one.startswith(f"{three.name}.")]:
+        del sys.modules[name]
+    assert run(*words, "--gate") == 1
+    said = capsys.readouterr().err
+    assert "changed: a: the verdict was 'holds' and is 'does not hold'" in said
+    assert "changed: b" not in said
+
+
+def test_check_measures_nothing(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("a", "--cases", three, "--check") == 1
+    assert "a: no record of the full tier is kept" in capsys.readouterr().err
+    for tier in ("--quick", "--full"):
+        run("a", "--cases", three, "--out", tmp_path / "out", tier, "--faults", "--update")
+    assert run("a", "--cases", three, "--check") == 0
+    assert "1 cases: records, code and claims belong together" in capsys.readouterr().err
+
+
+def test_cases_are_listed(three: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["validate", "--list", "--cases", str(three)])
+    head, *lines = capsys.readouterr().out.splitlines()
+    assert head.split() == ["topic", "case", "kind", "faults", "title"]
+    assert [line.split()[1] for line in lines] == ["b", "a", "c"]
+
+
+def test_an_interruption_keeps_what_is_finished(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (three / "c" / "measure.py").write_text("def measure(work):\n    raise KeyboardInterrupt\n")
+    assert run("--full", "--cases", three, "--out", tmp_path / "out") == 130
+    said = capsys.readouterr()
+    assert "interrupted: 2 of 3 cases are finished and kept; to go on: uqfold validate" in said.err
+    assert "2 cases: 2 holds" in said.out
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.json")) == ["a.json", "b.json"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["d"], "no validation case is named 'd'"),
+        (["--quick", "--full"], "give one of them"),
+        (["--gate"], "add --quick or --full"),
+        (["--update"], "add --quick or --full"),
+        (["--cases", "nowhere"], "nowhere holds no validation cases"),
+    ],
+)
+def test_bad_words_are_refused(
+    three: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = words if "--cases" in words else [*words, "--cases", str(three)]
+    assert run(*given) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,76 @@
+from pathlib import Path
+
+import pytest
+
+from tests.evidence.case_folder import DECLARED, make_case
+from uqfold.evidence.case import CaseError, Fault, find_cases, load_case
+
+
+def test_a_case_is_read(cases: Path) -> None:
+    case = load_case(make_case(cases))
+    assert (case.name, case.claim, case.seeds) == ("a_case", "It is so.", (7,))
+    assert case.faults == (Fault("too large", "a value of 3"),)
+    assert case.needs == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('schema = "uqfold-case/1"', 'schema = "uqfold-case/2"', "schema: 'uqfold-case/1' was"),
+        ("tolerance =", "tolerances =", "'tolerances' is no field here: do you mean 'tolerance'?"),
+        ('source = "mathematics"\n', "", "the field 'source' is missing"),
+        ('"exact solution"', '"exact"', "kind: 'exact' is none of: paper claim, "),
+        ("[7]", "[-7]", r"seeds\[0\]: -7 is less than the minimum of 0"),
+        ('title = "A case"', 'title = ""', "title: it is empty"),
+        ('what = "a value of 3"', "", r"fault\[0\]: the field 'what' is missing"),
+        ("seeds = [7]", "seeds = [7", "case.toml: "),
+    ],
+)
+def test_what_is_wrong_with_a_case_is_named(cases: Path, old: str, new: str, message: str) -> None:
+    assert old in DECLARED
+    folder = make_case(cases, declared=DECLARED.replace(old, new))
+    with pytest.raises(CaseError, match=message):
+        load_case(folder)
+
+
+def test_a_case_without_a_fault_is_refused(cases: Path) -> None:
+    folder = make_case(cases, declared=DECLARED.partition("[[fault]]")[0] + "fault = []\n")
+    with pytest.raises(CaseError, match="fault: "):
+        load_case(folder)
+
+
+def test_two_faults_of_one_name_are_refused(cases: Path) -> None:
+    twice = DECLARED + DECLARED[DECLARED.index("[[fault]]") :]
+    with pytest.raises(CaseError, match="two faults have the same name"):
+        load_case(make_case(cases, declared=twice))
+
+
+def test_reading_a_case_does_not_import_it(cases: Path) -> None:
+    case = load_case(make_case(cases, measure="raise SystemExit(9)"))
+    with pytest.raises(SystemExit):
+        case.measuring()
+
+
+def test_a_case_has_to_measure(cases: Path) -> None:
+    case = load_case(make_case(cases, measure="measured = 1"))
+    with pytest.raises(CaseError, match=r"a_case/measure.py defines no function measure\(work\)"):
+        case.measuring()
+
+
+def test_a_folder_of_another_name_on_the_path_is_not_taken_for_the_case(tmp_path: Path) -> None:
+    case = load_case(make_case(tmp_path / "json"))
+    with pytest.raises((CaseError, ModuleNotFoundError)):
+        case.measuring()
+
+
+def test_cases_are_found_in_order_and_by_name(cases: Path) -> None:
+    make_case(cases, "b")
+    make_case(cases, "a")
+    make_case(cases, "c", DECLARED.replace('"methods"', '"examples"'))
+    (cases / "shared").mkdir()
+    assert [case.name for case in find_cases(cases)] == ["c", "a", "b"]
+    assert [case.name for case in find_cases(cases, ["b", "b"])] == ["b"]
+    with pytest.raises(CaseError, match="no validation case is named 'ab': do you mean"):
+        find_cases(cases, ["ab"])
+    with pytest.raises(CaseError, match="holds no validation cases"):
+        find_cases(cases / "shared")
