@@ -1,7 +1,7 @@
 """Methods that each break one promise on purpose; the contract suite must reject them.
 
-All start from a correct answer of Monte Carlo type or from the exact one, so that only the planted
-fault can be what is found.
+All start from a correct answer, mostly of Monte Carlo type, so that only the planted fault can be
+what is found.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.evaluation import FailedRunError
-from uqfold.methods import Estimate, MonteCarlo, ReliabilityMethod, Solution, Task
+from uqfold.methods import Estimate, Kriging, MonteCarlo, ReliabilityMethod, Solution, Task
+from uqfold.methods.ask_tell import Steps
 from uqfold.methods.ffni_pearson import FFNIPearson
+from uqfold.methods.kriging import KernelChoice, Trend
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
 
@@ -262,6 +264,26 @@ class MutableSettings(ReliabilityMethod):
         return base._solve(task)
 
 
+@dataclass(frozen=True)
+class OverConfidentSurface(Kriging):
+    """Believes in a single fit, and states a third of what that fit says of its own error."""
+
+    trend: Trend = "quadratic"
+    kernel: KernelChoice = "gaussian"
+
+    def _steps(self, task: Task) -> Steps:
+        honest = yield from super()._steps(task)
+        return Solution([_surer(e) for e in honest.estimates], honest.details)
+
+
+def _surer(estimate: Estimate) -> Estimate:
+    low, high = estimate.pf - estimate.ci_low, estimate.ci_high - estimate.pf
+    return replace(
+        estimate, std_error=estimate.std_error / 3.0,
+        ci_low=estimate.pf - low / 3.0, ci_high=estimate.pf + high / 3.0,
+    )  # fmt: skip
+
+
 PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (OnlyEqualToItself, "is_a_frozen_record_of_settings"),
     (ReliabilityOfAnother, "rows_are_well_formed"),
@@ -289,5 +311,6 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (Biased, "order_of_inputs_does_not_matter"),
     (OverConfident, "stated_errors_are_honest"),
     (UnderConfident, "stated_errors_are_honest"),
+    (OverConfidentSurface, "stated_errors_are_honest"),
 ]
 """Planted method, and a check that must reject it; every check stands here at least once."""

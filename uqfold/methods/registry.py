@@ -13,6 +13,9 @@ ENTRY_POINT_GROUP = "uqfold.methods"
 _BUILT_IN: dict[str, str] = {
     "ffni-spa": "uqfold.methods.ffni_saddlepoint:FFNISaddlepoint",
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
+    "kriging": "uqfold.methods.kriging:Kriging",
+    "pce": "uqfold.methods.polynomial_chaos:PolynomialChaos",
+    "ak-mcs": "uqfold.methods.active_kriging:ActiveKriging",
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",

@@ -58,7 +58,7 @@ class LinearNormalSystem:
 
     def pf(self, criterion: Criterion) -> float:
         """Exact failure probability, to about 1e-12 relative."""
-        v, weights = _normal_rule()
+        v, weights = normal_rule()
         one = np.array([self._mission_failure(criterion, value) for value in v])
         missions = criterion.missions
         if isinstance(missions, Binomial):
@@ -77,7 +77,7 @@ class LinearNormalSystem:
             return min(late, _ALMOST_SURE)
         width = criterion.tau / self.individual_std
         # smallest response z: in time, but the others do not all lie within the width
-        z, weights = _normal_rule(upper - width, upper)
+        z, weights = normal_rule(upper - width, upper)
         in_time = np.maximum(ndtr(upper) - ndtr(z), 0.0)
         near = np.maximum(ndtr(np.minimum(z + width, upper)) - ndtr(z), 0.0)
         others = self.units - 1
@@ -85,7 +85,7 @@ class LinearNormalSystem:
         return min(late + apart, _ALMOST_SURE)
 
 
-def _normal_rule(*kinks: float) -> tuple[FloatArray, FloatArray]:
+def normal_rule(*kinks: float) -> tuple[FloatArray, FloatArray]:
     """Composite Gauss-Legendre rule for the standard normal density on [-9, 9].
 
     Panels end at the kinks of the integrand, so that each panel sees a smooth function.
