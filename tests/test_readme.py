@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from uqfold.methods import available
+
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 PAGES = [
@@ -30,6 +32,12 @@ def test_python_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
         command = [sys.executable, "-m", "uqfold", *arguments]
         subprocess.run(command, check=True, capture_output=True)
     exec(compile("\n".join(blocks), page, "exec"), {"__name__": page})
+
+
+def test_table_of_methods_is_that_of_the_registry() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    table = text.split("| method | what it is |")[1].split("\n\n")[0]
+    assert re.findall(r"^\| `([a-z-]+)` \|", table, re.MULTILINE) == list(available())
 
 
 def test_links_of_readme_lead_somewhere() -> None:

@@ -26,6 +26,9 @@ def test_runs_and_writes_its_tables(tmp_path: Path) -> None:
     assert runs == {
         "ffni-spa": 1,
         "ffni-pearson": 1,
+        "kriging": 3,
+        "pce": 3,
+        "ak-mcs": 3,
         "mc": 3,
         "conditional-mc": 3,
         "openturns-form": 1,

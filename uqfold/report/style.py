@@ -37,18 +37,21 @@ class MethodStyle:
 _FIXED = {
     "ffni-spa": MethodStyle("#0072B2", "o"),
     "ffni-pearson": MethodStyle("#D55E00", "s"),
+    "kriging": MethodStyle("#56B4E9", "P"),
+    "pce": MethodStyle("#882255", "<"),
+    "ak-mcs": MethodStyle("#7F6A00", "X"),
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#E69F00", "v"),
 }
 FURTHER_STYLES = (
-    MethodStyle("#56B4E9", "P"),
-    MethodStyle("#7F6A00", "X"),
-    MethodStyle("#882255", "<"),
     MethodStyle("#5D3A9B", ">"),
     MethodStyle("#117733", "p"),
     MethodStyle("#8C510A", "h"),
+    MethodStyle("#44AA99", "d"),
+    MethodStyle("#AA4499", "H"),
+    MethodStyle("#666666", "8"),
 )
 
 _CURVE_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")

@@ -2,6 +2,7 @@
 
 import pytest
 
+from uqfold.methods import available
 from uqfold.report.page.colors import DARK_PAPER, LEAST_CONTRAST, LIGHT_PAPER, contrast, readable
 from uqfold.report.style import method_styles
 
@@ -12,7 +13,7 @@ def channels(color: str) -> tuple[float, ...]:
 
 @pytest.mark.parametrize("paper", [LIGHT_PAPER, DARK_PAPER])
 def test_every_method_can_be_told_from_the_paper_and_from_the_others(paper: str) -> None:
-    labels = ["ffni-spa", "ffni-pearson", "mc", "openturns-form", "openturns-mc", *"abcdef"]
+    labels = [*available(), *"abcdef"]
     shown = [readable(style.color, paper) for style in method_styles(labels).values()]
     assert len(set(shown)) == len(labels)
     for color in shown:
