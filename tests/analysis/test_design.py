@@ -8,7 +8,13 @@ import pytest
 from scipy.optimize import brentq
 
 from uqfold import Problem
-from uqfold.analysis import design_input, design_threshold, design_thresholds, verify
+from uqfold.analysis import (
+    design_input,
+    design_threshold,
+    design_thresholds,
+    verify,
+    verify_all,
+)
 from uqfold.analysis.design import Scan, crossing, located
 from uqfold.inputs import normal
 from uqfold.methods import FFNIPearson, Kriging, MonteCarlo, PolynomialChaos
@@ -19,6 +25,7 @@ from uqfold.typing import FloatArray
 SYSTEM = LinearNormalSystem(units=3, shared_std=0.7)
 PROFILES = [(None, 1), (None, Binomial(4, 0.3)), (4.5, 1)]
 TARGET = 5e-3
+SIMULATION = MonteCarlo(systems=20_000)
 
 
 def exact_threshold(tau: float | None, missions: int | Binomial) -> float:
@@ -128,7 +135,7 @@ def test_no_solution_in_the_range() -> None:
         assert design.status == status
         assert math.isnan(design.value)
         with pytest.raises(ValueError, match=f"no value to verify .{status}"):
-            verify(design, 100)
+            verify(design)
     # failures of synchronization alone exceed the target, whatever T is
     hopeless = design_threshold(problem, TARGET, (11.0, 20.0), tau=2.0, method=method, rng=1)
     assert hopeless.status == "met nowhere"
@@ -138,12 +145,25 @@ def test_verification_by_simulation_of_the_model() -> None:
     design = design_threshold(
         SYSTEM.problem(), TARGET, (11.0, 16.0), method=Kriging(runs=40), rng=1
     )
-    right = verify(design, 20_000, rng=2)
+    right = verify(design, SIMULATION, rng=2)
     assert right.agrees
     assert right.ci_low < TARGET < right.ci_high
     assert right.meets == "undecided"
-    assert verify(design, 20_000, value=design.value + 0.8, rng=2).meets == "yes"
-    assert verify(design, 20_000, value=design.value - 0.8, rng=2).meets == "no"
+    assert verify(design, SIMULATION, value=design.value + 0.8, rng=2).meets == "yes"
+    assert verify(design, SIMULATION, value=design.value - 0.8, rng=2).meets == "no"
+
+
+def test_designs_of_one_problem_share_a_simulation() -> None:
+    designs = design_thresholds(
+        SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES[::2], method=Kriging(runs=40), points=17,
+        rng=1,
+    )  # fmt: skip
+    places = [(design, value) for design in designs for value in (design.value, design.safe)]
+    found = verify_all(places, MonteCarlo(systems=5_000), rng=2)
+    assert [one.value for one in found] == [value for _, value in places]
+    assert {one.n_evals for one in found} == {15_000}
+    alone = verify(designs[1], MonteCarlo(systems=5_000), rng=2)
+    assert (found[2].pf, found[2].ci_high) == (alone.pf, alone.ci_high)
 
 
 def test_verification_finds_a_wrong_design() -> None:
@@ -154,7 +174,7 @@ def test_verification_finds_a_wrong_design() -> None:
     wrong = replace(
         design, scan=replace(scan, pf=scan.pf / 2, low=scan.low / 2, high=scan.high / 2)
     )
-    assert not verify(wrong, 20_000, rng=2).agrees
+    assert not verify(wrong, SIMULATION, rng=2).agrees
 
 
 def test_crossing_from_either_side() -> None:

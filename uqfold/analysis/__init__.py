@@ -7,7 +7,7 @@ from uqfold.lazy import lazy_exports
 if TYPE_CHECKING:
     from uqfold.analysis.derivatives_by_simulation import score_derivatives
     from uqfold.analysis.derivatives_by_surface import surface_derivatives
-    from uqfold.analysis.design import Design, Scan, Verification, verify
+    from uqfold.analysis.design import Design, Scan, Verification, verify, verify_all
     from uqfold.analysis.designed_input import design_input
     from uqfold.analysis.designed_threshold import design_threshold, design_thresholds
     from uqfold.analysis.fitted_surface import NoSurfaceError
@@ -32,6 +32,7 @@ __all__ = [
     "score_derivatives",
     "surface_derivatives",
     "verify",
+    "verify_all",
 ]
 
 __getattr__, __dir__ = lazy_exports(
@@ -42,6 +43,7 @@ __getattr__, __dir__ = lazy_exports(
         "Scan": "uqfold.analysis.design",
         "Verification": "uqfold.analysis.design",
         "verify": "uqfold.analysis.design",
+        "verify_all": "uqfold.analysis.design",
         "design_input": "uqfold.analysis.designed_input",
         "design_threshold": "uqfold.analysis.designed_threshold",
         "design_thresholds": "uqfold.analysis.designed_threshold",

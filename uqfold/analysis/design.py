@@ -14,9 +14,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from uqfold.evaluation import Evaluator
+from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.result import NO_ANSWER, CriterionResult, reliability_index
-from uqfold.methods.seeding import RandomSource
+from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
@@ -61,6 +62,15 @@ class Scan:
                 for row in rows
             ),
         )
+
+    def interval(self, value: float) -> tuple[float, float]:
+        """Interval of pf at a value of the range, or twice pf itself where none is stated."""
+        bounds = [self.low, self.high]
+        known = np.isfinite(self.low) & np.isfinite(self.high)
+        if known.sum() < 2:
+            bounds, known = [self.pf, self.pf], np.isfinite(self.pf)
+        low, high = (float(np.interp(value, self.values[known], one[known])) for one in bounds)
+        return low, high
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,23 +140,24 @@ class Verification:
     ----------
     value
         The value.
-    pf, ci_low, ci_high
-        pf by Monte Carlo, with the interval of Clopper and Pearson at 95 %.
+    pf, std_error, ci_low, ci_high
+        pf by simulation, its standard error and interval of 95 %.
     meets
         Whether the target is met: ``yes`` and ``no`` where the whole interval lies on one side.
     agrees
         Whether the interval meets the one that the design states at this value.
-    n_systems, n_evals, seconds, seed
-        Size and cost.
+    method, n_evals, seconds, seed
+        How it was simulated, and the cost.
     """
 
     value: float
     pf: float
+    std_error: float
     ci_low: float
     ci_high: float
     meets: Meets
     agrees: bool
-    n_systems: int
+    method: str
     n_evals: int
     seconds: float
     seed: int
@@ -253,7 +264,7 @@ def located(scan: Scan, target_pf: float, seek: Seek) -> tuple[Crossing, float, 
 
 def verify(
     design: Design,
-    systems: int = 100_000,
+    method: ReliabilityMethod | None = None,
     value: float | None = None,
     *,
     max_evals: int | None = None,
@@ -266,8 +277,8 @@ def verify(
     ----------
     design
         A design with a value.
-    systems
-        Systems to simulate.
+    method
+        A simulation on the real model; None: `MonteCarlo` with 100,000 systems.
     value
         Where; None: at the design's best value. `Design.safe` is the other place of interest.
     max_evals, rng, evaluator
@@ -281,35 +292,59 @@ def verify(
         If the simulation gives no answer.
     """
     at = design.value if value is None else value
-    if not math.isfinite(at):
-        raise ValueError(f"{design.parameter}: no value to verify ({design.status})")
-    problem, criterion = design.place(at)
-    result = MonteCarlo(systems=systems).estimate(
-        problem, [criterion], max_evals=max_evals, rng=rng, evaluator=evaluator
-    )
-    row = result[0]
+    return verify_all(
+        [(design, at)], method, max_evals=max_evals, rng=rng, evaluator=evaluator
+    )[0]  # fmt: skip
+
+
+def verify_all(
+    places: Sequence[tuple[Design, float]],
+    method: ReliabilityMethod | None = None,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> list[Verification]:
+    """Simulate the real model at several design values; see `verify`.
+
+    Designs of thresholds for the same problem share one simulation.
+    """
+    chosen = MonteCarlo(systems=100_000) if method is None else method
+    seed = reduced_seed(rng)
+    placed = []
+    for design, value in places:
+        if not math.isfinite(value):
+            raise ValueError(f"{design.parameter}: no value to verify ({design.status})")
+        placed.append(design.place(value))
+    rows: dict[int, CriterionResult] = {}
+    for problem in {id(one): one for one, _ in placed}.values():
+        mine = [i for i, (one, _) in enumerate(placed) if one is problem]
+        result = chosen.estimate(
+            problem, [placed[i][1] for i in mine],
+            max_evals=max_evals, rng=seed, evaluator=evaluator,
+        )  # fmt: skip
+        rows.update(zip(mine, result, strict=True))
+    return [_verified(*places[i], rows[i]) for i in range(len(places))]
+
+
+def _verified(design: Design, value: float, row: CriterionResult) -> Verification:
     if row.status in NO_ANSWER:
-        raise RuntimeError(f"{design.parameter} = {at:g}: {row.message}")
+        raise RuntimeError(f"{design.parameter} = {value:g}: {row.message}")
     meets: Meets = "undecided"
     if row.ci_high <= design.target_pf:
         meets = "yes"
     elif row.ci_low > design.target_pf:
         meets = "no"
-    scan = design.scan
-    known = np.isfinite(scan.low) & np.isfinite(scan.high)
-    if known.sum() >= 2:
-        low, high = (np.interp(at, scan.values[known], one[known]) for one in (scan.low, scan.high))
-    else:
-        known = np.isfinite(scan.pf)
-        low = high = np.interp(at, scan.values[known], scan.pf[known])
+    low, high = design.scan.interval(value)
     return Verification(
-        value=at,
+        value=value,
         pf=row.pf,
+        std_error=row.std_error,
         ci_low=row.ci_low,
         ci_high=row.ci_high,
         meets=meets,
         agrees=bool(row.ci_low <= high and low <= row.ci_high),
-        n_systems=result.details.n_systems,
+        method=row.method,
         n_evals=row.n_evals,
         seconds=row.seconds,
         seed=row.seed,

@@ -30,6 +30,7 @@ from uqfold.comparison.studies.study import (
     EXHIBIT_KEYS,
     FILE_NAME,
     METHOD_KEYS,
+    METHOD_KEYS_OF_ANALYSES,
     QUICK,
     RUN_KEYS,
     STUDY_KEYS,
@@ -148,7 +149,7 @@ class _Loader:
         for key in ("problem", "problems"):
             for name in listed(read.get(key)):
                 self._known(name, self.problems, place.at(key))
-        for key in ("method", "methods"):
+        for key in METHOD_KEYS_OF_ANALYSES:
             for label in listed(read.get(key)):
                 if label not in self.methods:
                     self._known(label, available(), place.at(key), self.methods)

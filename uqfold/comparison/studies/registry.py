@@ -19,6 +19,10 @@ _STEPS: dict[str, str] = {
     "independence": "uqfold.comparison.studies.steps.independence:INDEPENDENCE",
     "scatter": "uqfold.comparison.studies.steps.scatter:SCATTER",
     "trajectory": "uqfold.comparison.studies.steps.trajectory:TRAJECTORY",
+    "derivatives": "uqfold.comparison.studies.steps.derivatives:DERIVATIVES",
+    "sobol": "uqfold.comparison.studies.steps.variance:SOBOL",
+    "threshold-design": "uqfold.comparison.studies.steps.designs:THRESHOLD_DESIGN",
+    "input-design": "uqfold.comparison.studies.steps.designs:INPUT_DESIGN",
 }
 
 

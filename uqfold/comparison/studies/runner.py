@@ -20,7 +20,13 @@ from uqfold.comparison.studies.builtin import (
 from uqfold.comparison.studies.cache import JobCache, job_key
 from uqfold.comparison.studies.keys import listed
 from uqfold.comparison.studies.registry import StepContext
-from uqfold.comparison.studies.study import RUN_COLUMNS, RunSpec, Spec, Study
+from uqfold.comparison.studies.study import (
+    METHOD_KEYS_OF_ANALYSES,
+    RUN_COLUMNS,
+    RunSpec,
+    Spec,
+    Study,
+)
 from uqfold.evaluation import Evaluator, Store
 from uqfold.problems.base import Problem
 
@@ -244,7 +250,7 @@ class StudyRunner:
             ]
             labels = [
                 label
-                for key in ("method", "methods")
+                for key in METHOD_KEYS_OF_ANALYSES
                 for label in listed(job.run.settings.get(key))
             ]
             what = [job.run.kind.name, repr(sorted(job.run.settings.items()))]

@@ -79,6 +79,8 @@ RUN_KEYS = (
     Key("seeds", SEEDS, "Seeds; a method without randomness runs with the first alone.", (0,)),
     QUICK,
 )
+METHOD_KEYS_OF_ANALYSES = ("method", "methods", "verify")
+"""Keys of an analysis that hold labels of methods, whatever its kind."""
 ANALYSIS_KEYS = (
     Key("name", TEXT, "Name of the table, unique in the study."),
     Key("kind", TEXT, "Which kind."),
