@@ -159,7 +159,7 @@ def test_what_holds_no_records_is_refused(tmp_path: Path) -> None:
 
 
 HOSTILE = "</script><script>stolen()</script><img src=x onerror=stolen()>"
-KEPT = {"schema", "name", "error", "kind", "tier", "verdict", "date", "scale", "style"}
+KEPT = {"schema", "turns_to", "name", "error", "kind", "tier", "verdict", "date", "scale", "style"}
 
 
 def spoiled(value: Any) -> Any:
