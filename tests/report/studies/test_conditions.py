@@ -67,7 +67,7 @@ def test_difference_is_first_less_second_reliability() -> None:
     expected = [PF["two"][m] - PF["one"][m] for m in ("2", "5")]
     np.testing.assert_allclose(curves(gap), expected)
     assert max(np.concatenate(expected)) < 0.0
-    assert "above 0: first" in gap.texts[0].get_text()
+    assert "first less second" in gap.get_ylabel()
 
 
 def test_marks_carry_their_intervals() -> None:

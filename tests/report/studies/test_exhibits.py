@@ -100,6 +100,7 @@ SETTINGS = {
     "parts": ("reliability", "pf"),
     "reference": True,
     "smallest_pf": None,
+    "check": None,
 }
 
 
@@ -115,6 +116,24 @@ def test_curves_show_the_numbers_of_the_table(made: tuple[Path, dict[str, pd.Dat
     assert tail.get_yscale() == "log"  # type: ignore[attr-defined]
     low, high = tail.get_ylim()  # type: ignore[attr-defined]
     assert low < rows["pf"].min() < rows["pf"].max() < high
+
+
+def test_a_check_is_drawn_as_marks_with_its_intervals(
+    made: tuple[Path, dict[str, pd.DataFrame]],
+) -> None:
+    _, tables = made
+    where = {"tau": "none", "missions": "1", "label": ["ffni-spa", "mc"]}
+    rows = selected(tables["sync"], {**where, "label": "mc"})
+    settings = {**SETTINGS, "where": where, "check": "mc", "reference": False}
+    figure = figure_kinds()["reliability"].call(settings, tables)
+    tail = figure.axes[1]
+    joined = [line for line in tail.get_lines() if line.get_linestyle() == "-"]
+    assert len(joined) == 1
+    (bars,) = [c for c in tail.collections if len(c.get_segments()) == len(rows)]
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    np.testing.assert_allclose(ends, rows[["ci_low", "ci_high"]])
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts == ["ffni-spa", "simulation, 95 %"]
 
 
 def test_one_panel_per_value_and_one_scale(made: tuple[Path, dict[str, pd.DataFrame]]) -> None:

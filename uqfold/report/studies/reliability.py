@@ -18,6 +18,7 @@ from uqfold.comparison.studies.keys import (
     FLAG,
     NUMBER,
     TABLE_NAMES,
+    TEXT,
     WHERE,
     Key,
     Kind,
@@ -25,6 +26,7 @@ from uqfold.comparison.studies.keys import (
     list_of,
 )
 from uqfold.report.drawing import draw_method, draw_reference, method_curve, reference_curve
+from uqfold.report.studies.marks import draw_estimates, mark_handle
 from uqfold.report.studies.selection import (
     distinct,
     having,
@@ -90,7 +92,7 @@ def draw_reliability(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
     frame = selected(joined(tables, settings["table"]), settings["where"])
     response, unit = response_axis(tables, frame["problem"].iloc[0])
     panels = distinct(frame, settings["panels"])
-    lines = _lines(frame, settings["curves"])
+    lines = _lines(frame[frame["label"] != settings["check"]], settings["curves"])
     parts = settings["parts"]
     handles = _handles(frame, lines, settings, unit)
     figure, grid = stacked_panels([HEIGHTS[part] for part in parts], len(panels), handles)
@@ -147,6 +149,9 @@ def _draw(
             continue
         curve = method_curve(rows, [row["threshold"] for row in rows])
         draw_method(axes, curve, line.style, part == "pf", size=3.6, joined=True)
+        marks = having(having(frame, "label", settings["check"]), column, line.value)
+        if settings["check"] is not None:
+            draw_estimates(axes, marks, line.style, as_pf=part == "pf")
     if part == "pf":
         axes.set_yscale("log")
     elif part == "reliability":
@@ -205,6 +210,8 @@ def _handles(
             )
         )
     curves = any(part != "error" for part in settings["parts"])
+    if curves and (frame["label"] == settings["check"]).any():
+        handles.append(mark_handle())
     if settings["reference"] and curves and frame["reference_pf"].notna().any():
         handles.append(Line2D([], [], **REFERENCE_LINE, label="reference"))
         if (frame["reference_std_error"] > 1e-6 * frame["reference_pf"]).any():
@@ -240,6 +247,7 @@ RELIABILITY = Kind(
         Key("where", WHERE, "Rows to draw.", {}),
         Key("curves", COLUMN, "Column whose values are curves of their own.", None),
         Key("panels", COLUMN, "Column whose values are panels side by side.", None),
+        Key("check", TEXT, "Method that is drawn as marks with its intervals.", None),
         Key(
             "parts",
             list_of(choice(*PARTS)),

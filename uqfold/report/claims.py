@@ -1,0 +1,65 @@
+"""The table of the paper's claims, with verdicts and numbers, in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from uqfold.comparison.claims import JudgedClaim
+from uqfold.comparison.findings import Finding
+
+COMMAND = "uqfold study claims"
+
+
+def claims_page(judged: Sequence[JudgedClaim]) -> str:
+    """Write the page: a table of verdicts, then every claim with its rule and findings.
+
+    Parameters
+    ----------
+    judged
+        The claims, in the order of the page.
+    """
+    counts: dict[str, int] = {}
+    for one in judged:
+        counts[one.verdict] = counts.get(one.verdict, 0) + 1
+    summary = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
+    blocks = [
+        "# What the paper claims, and what the studies say",
+        f"Written by `{COMMAND}` from the results of the studies; nothing here is typed. Of "
+        f"{len(judged)} claims: {summary}. A claim does not hold when one number breaks its rule, "
+        "and cannot be judged when its numbers are smaller than their own uncertainty.",
+        "\n".join(
+            [
+                "| claim | where | verdict |",
+                "| --- | --- | --- |",
+                *(
+                    f"| [{one.claim.statement}](#{_anchor(one.claim.key)}) | {one.claim.source} | "
+                    f"**{one.verdict}** |"
+                    for one in judged
+                ),
+            ]
+        ),
+        *(_section(one) for one in judged),
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _section(one: JudgedClaim) -> str:
+    claim = one.claim
+    lines = [
+        f"## {claim.key}",
+        f"{claim.statement} ({claim.source})",
+        f"Rule: {claim.rule}. Verdict: **{one.verdict}**.",
+        "\n".join(f"- {_escaped(finding)}" for finding in one.findings),
+    ]
+    return "\n\n".join(lines)
+
+
+def _escaped(finding: Finding) -> str:
+    words = finding.words
+    for sign in "_*<>|":
+        words = words.replace(sign, f"\\{sign}")
+    return words
+
+
+def _anchor(key: str) -> str:
+    return key.lower().replace(",", "").replace(".", "").replace(" ", "-")

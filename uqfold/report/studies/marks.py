@@ -1,0 +1,71 @@
+"""Estimates by simulation as marks with their intervals, beside the curves of other methods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from uqfold.report.drawing import UPPER_BOUND
+from uqfold.report.style import MethodStyle
+from uqfold.typing import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+LABEL = "simulation, 95 %"
+_LOOK: Any = {
+    "color": "black",
+    "markerfacecolor": "white",
+    "markersize": 4.2,
+    "markeredgewidth": 0.8,
+}
+
+
+def draw_estimates(axes: Axes, rows: pd.DataFrame, style: MethodStyle, *, as_pf: bool) -> None:
+    """Draw estimates as reliability or as pf, each with its interval.
+
+    Parameters
+    ----------
+    axes
+        Where.
+    rows
+        Rows of a run.
+    style
+        Of the curve that they belong to; its marker is taken.
+    as_pf
+        Whether to draw pf. An estimate of zero is its upper bound then, with an arrow down.
+    """
+    shown = rows
+    if as_pf:
+        none = rows[rows["pf"] == 0.0]
+        axes.plot(none["threshold"], none["ci_high"], color="black", **UPPER_BOUND)
+        shown = rows[rows["pf"] > 0.0]
+    y = shown["pf" if as_pf else "reliability"].to_numpy()
+    low, high = shown["ci_low"].to_numpy(), shown["ci_high"].to_numpy()
+    if not as_pf:
+        low, high = 1.0 - high, 1.0 - low
+    draw_marks(axes, shown["threshold"], y, np.array([y - low, high - y]), style)
+
+
+def draw_marks(axes: Axes, x: Any, y: FloatArray, bars: FloatArray, style: MethodStyle) -> None:
+    """Draw marks at (x, y) with bars: lengths (n,), or below and above (2, n)."""
+    axes.errorbar(
+        x,
+        y,
+        yerr=np.maximum(np.nan_to_num(bars), 0.0),
+        fmt=style.marker,
+        ecolor="black",
+        elinewidth=0.8,
+        capsize=1.8,
+        zorder=3.0,
+        **_LOOK,
+    )
+
+
+def mark_handle() -> Any:
+    """Give the entry of a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="", marker="o", label=LABEL, **_LOOK)
