@@ -38,7 +38,7 @@ from uqfold.typing import FloatArray
 
 _STEP = 0.05
 """Half width of the central differences, in standard deviations of the input."""
-_DRAWS = 40
+_DRAWS = 20
 _STREAM = 7
 """Block of the seed that the draws come from; fits use the first few."""
 _DIFFERENCE_ERROR = 2e-3

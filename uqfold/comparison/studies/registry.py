@@ -23,6 +23,7 @@ _STEPS: dict[str, str] = {
     "derivatives": "uqfold.comparison.studies.steps.derivatives:DERIVATIVES",
     "sobol": "uqfold.comparison.studies.steps.variance:SOBOL",
     "threshold-design": "uqfold.comparison.studies.steps.designs:THRESHOLD_DESIGN",
+    "timing": "uqfold.comparison.studies.steps.timing:TIMING",
     "input-design": "uqfold.comparison.studies.steps.designs:INPUT_DESIGN",
 }
 

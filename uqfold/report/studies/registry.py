@@ -14,17 +14,27 @@ from uqfold.comparison.studies.registry import loaded_kinds
 
 _FIGURES: dict[str, str] = {
     "animation": "uqfold.report.studies.mechanism:ANIMATION",
+    "budgets": "uqfold.report.studies.benchmark:BUDGETS",
     "conditions": "uqfold.report.studies.conditions:CONDITIONS",
+    "derivative-curves": "uqfold.report.studies.sensitivity:DERIVATIVE_CURVES",
+    "derivatives": "uqfold.report.studies.sensitivity:DERIVATIVES_FIGURE",
+    "designs": "uqfold.report.studies.designs:DESIGNS_FIGURE",
     "independence": "uqfold.report.studies.independence:INDEPENDENCE",
     "mechanism": "uqfold.report.studies.mechanism:MECHANISM",
     "motion": "uqfold.report.studies.mechanism:MOTION",
     "reliability": "uqfold.report.studies.reliability:RELIABILITY",
+    "sobol": "uqfold.report.studies.sensitivity:SOBOL_FIGURE",
 }
 _TABLES: dict[str, str] = {
+    "agreement": "uqfold.report.studies.agreement:AGREEMENT",
     "changed-inputs": "uqfold.report.studies.changed_inputs:CHANGED_INPUTS",
+    "designs": "uqfold.report.studies.designs:DESIGNS",
     "errors": "uqfold.report.studies.error_table:ERRORS",
     "evaluations": "uqfold.report.studies.evaluations:EVALUATIONS",
     "inputs": "uqfold.report.studies.inputs:INPUTS",
+    "ranking": "uqfold.report.studies.ranking:RANKING",
+    "seconds": "uqfold.report.studies.ranking:SECONDS",
+    "trust": "uqfold.report.studies.ranking:TRUST",
 }
 
 

@@ -1,0 +1,122 @@
+"""Repeated answers to known questions: bias and scatter of a method, and whether it knows them.
+
+Answers are pooled over criteria whose references lie in the same decade, and over seeds. Errors
+are relative to the reference (Eq. 49, with its sign).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+GROUP = ("problem", "label", "max_evals", "synchronized", "decade")
+"""Columns that `benchmark_summary` groups by."""
+NEEDS = (
+    "problem", "label", "max_evals", "threshold", "tau", "missions", "seed", "pf", "std_error",
+    "ci_low", "ci_high", "status", "n_evals_row", "reference_pf", "reference_std_error",
+)  # fmt: skip
+"""Columns that it reads."""
+RESOLUTION = 0.5
+"""A reference whose own error exceeds this share of the error found says too little of it."""
+
+
+def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFrame:
+    """Summarise repeated runs of methods against their references.
+
+    Parameters
+    ----------
+    frame
+        Rows of comparisons, with a column ``max_evals`` for the budget of the run.
+    units
+        Number of units of each problem: what one system costs crude Monte Carlo per mission.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per `GROUP`, ``decade`` being the exponent d with 10^d < reference <= 10^(d + 1):
+
+        ``answers``, ``runs``
+            Rows with an answer, and rows in all.
+        ``n_evals``
+            Mean number of evaluations per answer.
+        ``bias``, ``bias_error``
+            Mean relative error, and its standard error over seeds (NaN with one seed).
+        ``rms``
+            Root mean square of the relative error.
+        ``coverage``
+            Share of intervals that hold the reference; NaN without intervals.
+        ``error_ratio``
+            Root mean square of the error over the stated one (joined with the reference's own); 1
+            is right, above 1 overconfident.
+        ``monte_carlo_rms``
+            Relative standard error of crude Monte Carlo with the runs used.
+        ``efficiency``
+            (monte_carlo_rms / rms)^2: how many times the runs crude Monte Carlo would need.
+        ``judged``
+            Whether the reference is sharp enough to judge the error found.
+    """
+    import pandas as pd
+
+    known = frame[frame["reference_pf"] > 0.0].copy()
+    known["synchronized"] = known["tau"].notna()
+    known["decade"] = np.ceil(np.log10(known["reference_pf"])).astype(int) - 1
+    rows = [
+        {**dict(zip(GROUP, key, strict=True)), **_summary(own, units[key[0]])}
+        for key, own in known.groupby(list(GROUP), sort=False)
+    ]
+    return pd.DataFrame(rows)
+
+
+def _summary(rows: pd.DataFrame, units: int) -> dict[str, Any]:
+    answered = rows[rows["pf"].notna()]
+    found: dict[str, Any] = {"answers": len(answered), "runs": len(rows)}
+    names = (
+        "n_evals", "bias", "bias_error", "rms", "coverage", "error_ratio", "monte_carlo_rms",
+        "efficiency",
+    )  # fmt: skip
+    if answered.empty:
+        return {**found, **dict.fromkeys(names, math.nan), "judged": False}
+    reference = answered["reference_pf"]
+    error = answered["pf"] / reference - 1.0
+    by_seed = error.groupby(answered["seed"]).mean()
+    stated = np.hypot(answered["std_error"], answered["reference_std_error"])
+    with_error = answered["std_error"] > 0.0
+    ratio = ((answered["pf"] - reference) / stated)[with_error]
+    bounded = answered["ci_low"].notna() & answered["ci_high"].notna()
+    slack = 2.0 * answered["reference_std_error"]
+    inside = (reference >= answered["ci_low"] - slack) & (reference <= answered["ci_high"] + slack)
+    rms = _rms(error)
+    missions = answered["missions"].map(_mean_missions)
+    systems = answered["n_evals_row"] / (units * missions)
+    simple = _rms(np.sqrt((1.0 - reference) / (reference * systems)))
+    return {
+        **found,
+        "n_evals": float(answered["n_evals_row"].mean()),
+        "bias": float(error.mean()),
+        "bias_error": float(by_seed.std(ddof=1) / math.sqrt(len(by_seed)))
+        if len(by_seed) > 1
+        else math.nan,
+        "rms": rms,
+        "coverage": float(inside[bounded].mean()) if bounded.any() else math.nan,
+        "error_ratio": _rms(ratio) if len(ratio) else math.nan,
+        "monte_carlo_rms": simple,
+        "efficiency": (simple / rms) ** 2 if rms > 0.0 else math.inf,
+        "judged": bool(_rms(answered["reference_std_error"] / reference) <= RESOLUTION * rms),
+    }
+
+
+def _rms(values: Any) -> float:
+    return math.sqrt(float(np.mean(np.square(values))))
+
+
+def _mean_missions(missions: str) -> float:
+    """Mean number of missions of a profile as records write it: ``5``, or ``binomial(10, 0.7)``."""
+    if missions.isdecimal():
+        return float(missions)
+    planned, p = missions.removeprefix("binomial(").removesuffix(")").split(",")
+    return float(planned) * float(p)
