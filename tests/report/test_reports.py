@@ -159,7 +159,7 @@ def test_nothing_that_records_name_is_imported(records: Records, tmp_path: Path)
         "       or m.startswith('uqfold.methods.openturns')])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=600
     )
     assert done.stdout.strip() == "[]"
 

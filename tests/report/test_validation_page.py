@@ -66,7 +66,7 @@ def test_the_summary_says_what_holds_and_what_does_not_and_why() -> None:
     )  # fmt: skip
     answer, why, tone = said["What does not hold, and why?"]
     assert (answer, tone) == ("2 cases", "bad")
-    assert "A broken case: largest difference: 3e-05 s (at most 2e-06 s) - does not hold" in why
+    assert "A broken case: largest difference: 3e-05 s (at most 2e-06 s)" in why
     assert "Crashed: ZeroDivisionError: division by zero" in why
 
 
@@ -190,6 +190,6 @@ def test_nothing_that_records_name_is_imported(tmp_path: Path) -> None:
         "       or m.startswith('validation')])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=600
     )
     assert done.stdout.strip() == "[]"

@@ -13,7 +13,7 @@ from uqfold.comparison.records import Records
 from uqfold.report.clouds import Cloud, cost_limits, error_clouds, error_limits, side_steps
 from uqfold.report.drawing import SMALLEST_PF
 from uqfold.report.page.blocks import Figure, View
-from uqfold.report.page.chart import Axis, Band, Chart, Key, Point, Series
+from uqfold.report.page.chart import DASHED, Axis, Band, Chart, Key, Point, Series
 from uqfold.report.style import method_styles
 from uqfold.report.wording import (
     REFERENCE_STANDARD_ERRORS,
@@ -30,7 +30,7 @@ from uqfold.report.wording import (
 )
 
 PF_VIEW, RELIABILITY_VIEW = "failure probability, logarithmic", "reliability, linear"
-REFERENCE = Key("reference", "reference")
+REFERENCE = Key("reference", "reference", marker=DASHED)
 
 
 def method_keys(records: Records) -> dict[str, Key]:
@@ -85,8 +85,8 @@ def curves_figure(records: Records, values_at: str) -> Figure | None:
     referenced = any(not math.isnan(row["reference_pf"]) for row in rows)
     notes = []
     if referenced:
-        band = f"the reference and ± {REFERENCE_STANDARD_ERRORS:g} of its standard errors"
-        notes.append(("dash", band))
+        band = f"the reference ± {REFERENCE_STANDARD_ERRORS:g} of its standard errors"
+        notes.append(("stripe", band))
     if any(row["pf"] < SMALLEST_PF < row["ci_high"] for row in rows):
         notes.append(("arrow", "no failure seen: upper end of the interval"))
     over = "over the threshold" if several else "by method"
@@ -94,7 +94,7 @@ def curves_figure(records: Records, values_at: str) -> Figure | None:
         caption=f"Failure probability and reliability {over}. Bars are the intervals that a "
         "method states itself; a method without bars states none.",
         views=views,
-        legend=tuple(keys.values()) if several else (),
+        legend=(*keys.values(), *([REFERENCE] if referenced else [])) if several else (),
         notes=tuple(notes),
         values_at=values_at,
     )

@@ -10,7 +10,7 @@ from uqfold.comparison.findings import Finding, Verdict, number
 from uqfold.evidence import measurement
 from uqfold.evidence.measurement import Cell as Value
 from uqfold.report.page.blocks import Cell, Column, Figure, Number, Row, Table, Tone, View
-from uqfold.report.page.chart import Axis, Chart, Key, Mark, Point, Series
+from uqfold.report.page.chart import DASHED, Axis, Chart, Key, Mark, Point, Series
 from uqfold.report.page.values import number_cell
 from uqfold.report.style import FURTHER_STYLES, MethodStyle, method_styles
 
@@ -84,10 +84,9 @@ def evidence_figure(figure: measurement.Figure, case: str) -> Figure:
     styles = _styles(figure.series)
     series = []
     for one in figure.series:
-        style = styles[one.label]
+        style = styles.get(one.label, MethodStyle("", DASHED))
         name = f"{case}, {figure.name}, {one.label}"
-        key = Key(name, one.label) if one.reference else Key(name, one.label, style.color,
-                                                            style.marker)  # fmt: skip
+        key = Key(name, one.label, style.color, style.marker)
         series.append(
             Series(
                 key,
@@ -105,20 +104,17 @@ def evidence_figure(figure: measurement.Figure, case: str) -> Figure:
         marks=tuple(marks),
     )  # fmt: skip
     legend = tuple(one.key for one in series)
-    notes = (("dash", "what the others are compared with"),) if any(
-        one.reference for one in figure.series
-    ) else ()  # fmt: skip
-    return Figure("", (View(figure.title, (chart,)),), legend if len(legend) > 1 else (), notes)
+    return Figure("", (View(figure.title, (chart,)),), legend if len(legend) > 1 else ())
 
 
 def _styles(series: Iterable[measurement.Series]) -> dict[str, MethodStyle]:
-    """Give methods their own colour and marker, and the other curves further ones in turn."""
+    """Give methods their own colour and marker, and other curves further ones; references none."""
     further = cycle(FURTHER_STYLES)
     return {
         one.label: method_styles([one.method])[one.method] if one.method else next(further)
         for one in series
         if not one.reference
-    } | {one.label: FURTHER_STYLES[0] for one in series if one.reference}
+    }
 
 
 def _axis(axis: measurement.Axis) -> Axis:

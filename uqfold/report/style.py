@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import count
 from typing import Any
 
 
@@ -102,13 +102,19 @@ def figure_settings() -> Iterator[None]:
         yield
 
 
+def _turned(turn: int) -> Iterator[MethodStyle]:
+    """Give the further styles with their markers passed on by so many places."""
+    for i, style in enumerate(FURTHER_STYLES):
+        yield MethodStyle(style.color, FURTHER_STYLES[(i + turn) % len(FURTHER_STYLES)].marker)
+
+
 def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     """Give each label its colour and marker.
 
     The built-in methods always have theirs; other labels take the further ones in turn, in the
-    order given.
+    order given, and then the same colours with other markers.
     """
-    further = cycle(FURTHER_STYLES)
+    further = (style for turn in count() for style in _turned(turn))
     return {label: _FIXED.get(label) or next(further) for label in labels}
 
 

@@ -88,15 +88,25 @@ def _cost_card(judged: Sequence[Judgement]) -> Card:
     best = min(answering, key=lambda one: (-one.right, one.n_evals, one.seconds))
     which = "right most often" if best.right else "the cheapest with an answer"
     more = [f"{best.label}, {which}, took {seconds_text(best.seconds)}."]
-    right = [one for one in answering if one.always_right and one is not best]
+    equal = [one for one in answering if one.right == best.right and one is not best]
+    if best.right and equal:
+        counts = dict.fromkeys(count_text(one.n_evals) for one in _by_cost(equal))
+        more.append(f"As often right, with more: {_listed(list(counts))}.")
+    right = [one for one in answering if one.always_right and one.right < best.right]
     if right:
-        other = min(right, key=lambda one: one.n_evals)
-        share = f"on the {other.right} criteria that it answers"
+        other = _by_cost(right)[0]
+        share = "on the one criterion that it answers"
+        if other.right > 1:
+            share = f"on the {other.right} criteria that it answers"
         more.append(f"{other.label} was right {share}, with {count_text(other.n_evals)}.")
     dearest = max(answering, key=lambda one: one.n_evals)
     if dearest.n_evals > best.n_evals:
         more.append(f"The most: {dearest.label} with {count_text(dearest.n_evals)}.")
     return Card(title, f"{count_text(best.n_evals)} evaluations", tuple(more))
+
+
+def _by_cost(judged: Sequence[Judgement]) -> list[Judgement]:
+    return sorted(judged, key=lambda one: one.n_evals)
 
 
 def _failure_card(judged: Sequence[Judgement]) -> Card:

@@ -118,7 +118,7 @@ def _verdict_card(records: Sequence[CaseRecord]) -> Card:
     counts = Counter(record.verdict for record in records)
     answer = f"{counts['holds']} of {len(records)} hold"
     more: list[Words] = [
-        [Strong(f"{counts[verdict]} {verdict}", tone), "."]
+        [Strong(f"{counts[verdict]} {_plural(verdict, counts[verdict])}", tone), "."]
         for verdict, tone in VERDICT_TONES.items()
         if verdict != "holds" and counts[verdict]
     ]
@@ -130,6 +130,10 @@ def _verdict_card(records: Sequence[CaseRecord]) -> Card:
     elif counts["cannot be judged"]:
         tone = "warn"
     return Card("What holds?", answer, tuple(more), tone)
+
+
+def _plural(verdict: str, count: int) -> str:
+    return "do not hold" if verdict == "does not hold" and count > 1 else verdict
 
 
 def _failing_card(records: Sequence[CaseRecord]) -> Card:
@@ -153,7 +157,8 @@ def _linked(record: CaseRecord, why: str) -> list[Part]:
 
 def _first_reason(record: CaseRecord) -> str:
     found = reasons(record)
-    return found[0] if found else "nothing in it has a limit"
+    # the card says already that it does not hold
+    return found[0].replace(" - does not hold", "") if found else "nothing in it has a limit"
 
 
 def fails(record: CaseRecord) -> bool:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 Scale: TypeAlias = Literal["linear", "log"]
+DASHED = "--"
+"""Marker of a key that stands for a dashed line."""
 Side: TypeAlias = Literal["x", "y"]
 
 
@@ -24,7 +26,8 @@ class Key:
     color
         Six-digit hexadecimal colour, or empty for none.
     marker
-        A marker of matplotlib: one of ``o s ^ v < > D P X p h``, or empty for none.
+        A marker of matplotlib, one of ``o s ^ v < > D d P X p h H 8 *``; or `DASHED`; empty for
+        none.
     """
 
     name: str

@@ -104,7 +104,7 @@ class _Writer:
         return _markup(draw_strip(cell.strip, plain(cell.words), self.color_class))  # type: ignore[arg-type]
 
     def swatch(self, key: Key) -> Markup | str:
-        if not key.color:
+        if not key.marker:
             return ""
         return _markup(draw_swatch(key.color, key.marker, self.color_class))
 

@@ -125,7 +125,7 @@ class _Writer:
 
 def _legend(figure: Figure) -> Iterator[str]:
     signs = {"o": "●", "s": "■", "D": "◆", "^": "▲", "v": "▼", "<": "◀", ">": "▶", "P": "✚"}
-    signs |= {"X": "✖", "p": "⬟", "h": "⬢", "": "–"}
+    signs |= {"X": "✖", "p": "⬟", "h": "⬢", "H": "⬣", "8": "⯃", "d": "⬧", "*": "★", "--": "- -"}
     for key in figure.legend:
         yield f"{signs.get(key.marker, '●')} {_words(key.label)}"
 

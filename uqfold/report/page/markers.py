@@ -23,6 +23,11 @@ _PLUS = (
     (-0.38, -1.05), (0.38, -1.05), (0.38, -0.38), (1.05, -0.38), (1.05, 0.38), (0.38, 0.38),
     (0.38, 1.05), (-0.38, 1.05), (-0.38, 0.38), (-1.05, 0.38), (-1.05, -0.38), (-0.38, -0.38),
 )  # fmt: skip
+_STAR = tuple(
+    (reach * x, reach * y)
+    for i, (x, y) in enumerate(_regular(10))
+    for reach in (1.2 if i % 2 == 0 else 0.5,)
+)
 _OUTLINES: dict[str, tuple[Corner, ...]] = {
     "s": ((-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)),
     "D": ((0.0, -1.2), (1.2, 0.0), (0.0, 1.2), (-1.2, 0.0)),
@@ -32,8 +37,12 @@ _OUTLINES: dict[str, tuple[Corner, ...]] = {
     ">": _turned(_TRIANGLE, math.pi / 2.0),
     "P": _PLUS,
     "X": _turned(_PLUS, math.pi / 4.0),
+    "d": ((0.0, -1.2), (0.75, 0.0), (0.0, 1.2), (-0.75, 0.0)),
+    "*": _STAR,
     "p": _regular(5),
     "h": _regular(6),
+    "H": _regular(6, math.pi / 6.0),
+    "8": _regular(8, math.pi / 8.0),
 }
 
 

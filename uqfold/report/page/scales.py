@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from uqfold.report.page.chart import Scale
 
@@ -106,14 +107,15 @@ def tick_texts(ticks: Sequence[float], *, percent: bool = False) -> list[str]:
         texts = [_power(tick) for tick in scaled]
     else:
         texts = [f"{tick:,.10g}" for tick in scaled]
-        if max(sizes, default=0.0) < 10.0 and not _powers_of_ten(scaled):
+        if _evenly_spaced(scaled):
             digits = max((len(text.partition(".")[2]) for text in texts), default=0)
-            texts = [f"{tick:.{digits}f}" for tick in scaled]
+            texts = [f"{tick:,.{digits}f}" for tick in scaled]
     return [f"{text} %" if percent else text for text in texts]
 
 
-def _powers_of_ten(values: Sequence[float]) -> bool:
-    return all(value > 0.0 and math.log10(value) % 1.0 < 1e-9 for value in values)
+def _evenly_spaced(values: Sequence[float]) -> bool:
+    steps = [after - before for before, after in pairwise(values)]
+    return bool(steps) and max(steps) - min(steps) <= 1e-6 * max(map(abs, steps))
 
 
 def _power(value: float) -> str:

@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from uqfold.report.page.chart import Axis, Band, Chart, Mark, Point, Series, Strip
+from uqfold.report.page.chart import DASHED, Axis, Band, Chart, Mark, Point, Series, Strip
 from uqfold.report.page.markers import marker_path
 from uqfold.report.page.scales import Line, line_around, tick_texts
 
@@ -132,6 +132,10 @@ def draw_swatch(color: str, marker: str, color_class: ColorClass) -> ET.Element:
         "svg",
         {"xmlns": NAMESPACE, "viewBox": "0 0 14 14", "class": "swatch", "aria-hidden": "true"},
     )
+    if marker == DASHED:
+        group = ET.SubElement(svg, "g", {"class": "dashed"})
+        ET.SubElement(group, "path", {"class": "line", "d": "M0 7H14"})
+        return svg
     group = ET.SubElement(svg, "g", {"class": color_class(color)})
     ET.SubElement(group, "path", {"class": "point", "d": marker_path(marker, 7.0, 7.0, 9.0)})
     return svg
