@@ -148,12 +148,38 @@ def test_interruption_keeps_finished_jobs(study: Study, tmp_path: Path) -> None:
     assert started[3] in again
 
 
-def test_a_users_function_that_gives_no_problem(study: Study, tmp_path: Path) -> None:
-    (tmp_path / "other.py").write_text("def problem():\n    return 3\n")
-    (tmp_path / "study.toml").write_text(FILE.replace("mine:problem", "other:problem"))
-    other = load_study(tmp_path, figure_kinds(), table_kinds())
-    with pytest.raises(StudyError, match=r"line 9.* gave 3, not a Problem"):
-        list(StudyRunner(other).tables())
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("def problem():\n    return 3\n", "gave 3, not a Problem"),
+        ("def problem():\n    return 1 / 0\n", "raised ZeroDivisionError: division by zero"),
+        ("import nowhere_to_be_found\n", "cannot be imported: ModuleNotFoundError"),
+        ("def another():\n    pass\n", "has no function 'problem'"),
+    ],
+)
+def test_a_users_function_that_gives_no_problem(
+    study: Study, tmp_path: Path, source: str, words: str
+) -> None:
+    (tmp_path / "mine.py").write_text(source)
+    with pytest.raises(StudyError, match="line 9") as raised:
+        list(StudyRunner(study).tables())
+    assert words in str(raised.value)
+
+
+def test_what_failed_is_tried_again(study: Study, tmp_path: Path) -> None:
+    source = MODEL.replace("return x[:, 0] + x[:, 1]", "return x[:, 0] * float('nan')")
+    (tmp_path / "mine.py").write_text(source)
+    seen: list[str] = []
+    for _ in range(2):
+        seen.clear()
+        tables = StudyRunner(study, tmp_path / "cache", lambda t, n, e: seen.append(t)).tables()
+        body = next(table for table in tables if table.name == "body")
+    mine = [row for row in body.rows if row["problem"] == "mine"]
+    assert {row["status"] for row in mine} == {"failed"}
+    assert set(seen) == {
+        "body / mine / ffni-spa",
+        *(f"body / mine / mc / seed {i}" for i in (0, 1)),
+    }
 
 
 def test_states_of_results(study: Study, tmp_path: Path) -> None:

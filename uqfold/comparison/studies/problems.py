@@ -88,6 +88,11 @@ class ProblemSpec:
             problem = function(**options)
         except (TypeError, ValueError) as error:
             raise place.error(str(error)) from error
+        except Exception as error:
+            if self.is_ours:
+                raise
+            said = f"{type(error).__name__}: {error}"
+            raise self.place.at("function").error(f"the function raised {said}") from error
         if not isinstance(problem, Problem):
             raise self.place.at("function").error(f"the function gave {problem!r}, not a Problem")
         return self._changed(problem)
@@ -136,9 +141,10 @@ class ProblemSpec:
             sys.modules[name] = module
             try:
                 spec.loader.exec_module(module)
-            except BaseException:
+            except Exception as error:
                 del sys.modules[name]
-                raise
+                said = f"{type(error).__name__}: {error}"
+                raise place.error(f"{file.name} cannot be imported: {said}") from error
         function = getattr(module, attribute, None)
         if not callable(function):
             raise place.error(f"{file.name} has no function {attribute!r}")

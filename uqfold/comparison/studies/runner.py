@@ -168,7 +168,8 @@ class StudyRunner:
                 # an interruption may have been swallowed by a library: nothing half is kept
                 self.progress(job.title, n_evals, n_evals)
             kept = [{**row, "_n_evals": n_evals, "_seconds": seconds} for row in rows]
-            if key is not None:
+            # what failed may succeed another time
+            if key is not None and all(row.get("status") != "failed" for row in rows):
                 cache.put(key, kept_columns, kept)
         return StudyTable(
             name=job.run.name,

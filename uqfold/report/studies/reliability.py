@@ -111,6 +111,8 @@ def draw_reliability(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
         axes.set_ylabel(PARTS[part])
         if part == "pf":
             limit_pf(axes, [*frame["pf"], *frame["reference_pf"]], settings["smallest_pf"])
+        elif part == "error":
+            _limit_errors(axes, frame["error"].max())
     figure.align_ylabels(grid[:, 0])
     return figure
 
@@ -158,7 +160,16 @@ def _draw(
         axes.set_ylim(-0.03, 1.03)
     else:
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter(_percent_tick)
+
+
+def _limit_errors(axes: Axes, largest: float) -> None:
+    """Make an axis of errors logarithmic, over at least two decades, with ticks in per cent."""
+    from matplotlib.ticker import NullFormatter
+
+    axes.set_yscale("log")
+    axes.set_ylim(0.8 * SMALLEST_ERROR, max(1.5 * largest, 1.5e-2))
+    axes.yaxis.set_major_formatter(_percent_tick)
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _percent_tick(value: float, _: float) -> str:
@@ -171,7 +182,7 @@ def _draw_errors(axes: Axes, rows: Sequence[Mapping[str, Any]], style: MethodSty
     """Draw errors, hollow where the reference cannot judge them."""
     x = np.array([row["threshold"] for row in rows])
     error = np.maximum([row["error"] for row in rows], SMALLEST_ERROR)
-    judged = np.array([row["error"] > reference_resolution(row) for row in rows])
+    judged = np.array([not _within(row) for row in rows])
     axes.plot(x, error, "-", color=style.color, linewidth=0.9)
     for chosen, face in ((judged, style.color), (~judged, "white")):
         axes.plot(
@@ -236,7 +247,9 @@ def _handles(
 
 
 def _within(row: Mapping[str, Any]) -> bool:
-    return bool(row["error"] <= reference_resolution(row))
+    """Whether an error that the figure can show is below two standard errors of the reference."""
+    resolution = reference_resolution(row)
+    return bool(row["error"] <= resolution and resolution > SMALLEST_ERROR)
 
 
 RELIABILITY = Kind(

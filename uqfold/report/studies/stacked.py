@@ -22,6 +22,8 @@ PANEL_INCHES = 2.4
 LEGEND_COLUMN_INCHES = 1.55
 LEGEND_ROW_INCHES = 0.17
 X_LABEL_INCHES = 0.45
+X_TICKS = (7, 5)
+"""At most so many steps between ticks of a single panel, and of several side by side."""
 SMALLEST_PF = 1e-8
 """Failure probabilities below are not drawn unless a figure asks for them."""
 
@@ -46,6 +48,7 @@ def stacked_panels(
         The figure and its axes (rows, columns).
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     width = COLUMN_INCHES if columns == 1 else PANEL_INCHES * columns
     fitting = max(1, int(width / LEGEND_COLUMN_INCHES))
@@ -57,6 +60,8 @@ def stacked_panels(
     grid = figure.subplots(
         len(heights), columns, squeeze=False, sharex=True, sharey="row", height_ratios=heights
     )
+    for axes in grid[-1]:
+        axes.xaxis.set_major_locator(MaxNLocator(X_TICKS[columns > 1], steps=[1, 2, 5, 10]))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=max(legend_columns, 1))
     return figure, grid
