@@ -106,7 +106,7 @@ def test_check_finds_wrong_results(folder: Path, capsys: pytest.CaptureFixture[s
 
 def test_redraw_runs_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("study", "run", "studies/small", "--redraw") == 1
-    assert "cannot be read" in capsys.readouterr().err
+    assert "there are no results" in capsys.readouterr().err
     assert run("study", "run", "studies/small", "--no-store") == 0
     assert not (folder.parent / ".cache").exists()
     before = (folder / "figures" / "curves.svg").read_bytes()
@@ -115,6 +115,41 @@ def test_redraw_runs_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -
     assert run("study", "run", "studies/small", "--redraw") == 0
     assert (folder / "figures" / "curves.svg").read_bytes() == before
     assert not (folder / "figures" / "of-before.png").exists()
+    (folder / "study.toml").write_text(FILE.replace("missions = [1, 2]", "missions = [1, 3]"))
+    assert run("study", "run", "studies/small", "--redraw") == 1
+    assert "another study.toml" in capsys.readouterr().err
+
+
+def test_an_interrupted_run_goes_on(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run("study", "run", "studies/small", "--store", "kept", "--quiet") == 0
+    expected = (folder / "results" / "body.csv").read_bytes()
+    started: list[str] = []
+
+    def interrupt(bar: object, title: str, n_evals: int, expected: int | None) -> None:
+        if title not in started:
+            started.append(title)
+        if len(started) == 2:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr("uqfold.cli.study_session.ComparisonProgressBar.__call__", interrupt)
+        assert run("study", "run", "studies/small") == 130
+    assert "to go on from there: uqfold study run studies/small" in capsys.readouterr().err
+    assert started == ["body / series / ffni-spa", "body / series / mc"]
+    # what is left of the earlier results is not taken for those of this run
+    assert run("study", "list") == 0
+    assert "results: incomplete" in capsys.readouterr().out
+    started.clear()
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            "uqfold.cli.study_session.ComparisonProgressBar.__call__",
+            lambda bar, title, n_evals, expected: started.append(title),
+        )
+        assert run("study", "run", "studies/small") == 0
+    assert set(started) == {"body / series / mc"}
+    assert (folder / "results" / "body.csv").read_bytes() == expected
 
 
 def test_quick_goes_elsewhere(folder: Path) -> None:

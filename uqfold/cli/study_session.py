@@ -145,7 +145,12 @@ def _run_one(study: Study, options: Options, invocation: Invocation) -> int:
             _make_results(study, folder, store if options.keep else None, invocation, options.quiet)
         written = _draw(study, folder)
     except KeyboardInterrupt:
-        say(f"interrupted: finished jobs are kept; to go on from there: {_words(invocation)}")
+        kept = (
+            "finished jobs and model runs are kept; to go on from there"
+            if options.keep
+            else ("nothing is kept with --no-store; to start again")
+        )
+        say(f"interrupted: {kept}: {_words(invocation)}")
         return EXIT_INTERRUPTED
     except (StudyError, ResultsError, SelectionError, FailedRunError, EngineError) as error:
         say(f"error: {error}")
@@ -193,9 +198,14 @@ def _make_results(
 
 def _draw(study: Study, folder: Path) -> Path:
     """Draw figures and write the report from the results in a folder."""
+    record = read_record(folder)
+    if record.study != study.digest:
+        raise ResultsError(
+            f"the results are those of another {FILE_NAME}: run the study without --redraw"
+        )
     results = read_tables(folder, study.columns)
     shown, _ = write_exhibits(study, results, folder)
-    return write_page(study, read_record(folder), results, shown, folder)
+    return write_page(study, record, results, shown, folder)
 
 
 def _check_one(study: Study, store: Path | None, invocation: Invocation, *, run: bool) -> list[str]:

@@ -195,8 +195,11 @@ def test_states_of_results(study: Study, tmp_path: Path) -> None:
         read_tables(tmp_path, study.columns)
     path.write_text(text)
     assert results_state(study) == "present"
-    (tmp_path / "study.toml").write_text(FILE + "# changed\n")
-    assert results_state(load_study(tmp_path, {}, {})) == "older than study.toml"
+    # how it is shown is no part of what was asked
+    (tmp_path / "study.toml").write_text(FILE.replace('title = "A study"', 'title = "Another"'))
+    assert results_state(load_study(tmp_path, {}, {})) == "present"
+    (tmp_path / "study.toml").write_text(FILE.replace("units = [1, 4]", "units = [1, 5]"))
+    assert results_state(load_study(tmp_path, {}, {})) == "of another study.toml"
 
 
 def test_comparison_finds_a_planted_difference(study: Study, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -103,7 +104,7 @@ class _Loader:
             tables=(),
             figures=(),
             check=read_table(self.top["check"], self.place.at("check"), CHECK_KEYS),
-            digest=hashlib.sha256(self.file.read_bytes()).hexdigest(),
+            digest=_digest(self.top),
             quick=quick,
         )
         if not runs + analyses:
@@ -189,6 +190,12 @@ class _Loader:
     def _known(self, name: str, known: Any, place: Place, further: Any = ()) -> None:
         if name not in known:
             raise place.error(f"{name!r} is unknown; {nearest(name, [*known, *further])}")
+
+
+def _digest(top: Mapping[str, Any]) -> str:
+    """Give the digest of all that a study asks for; how it is shown does not belong to it."""
+    asked = {name: top[name] for name in ("problems", "methods", "run", "analysis")}
+    return hashlib.sha256(json.dumps(asked, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def _with_quick(

@@ -26,7 +26,7 @@ SCHEMA = "uqfold-study-results/1"
 FOLDER = "results"
 RECORD_NAME = "record.json"
 
-State = Literal["missing", "incomplete", "older than study.toml", "changed by hand", "present"]
+State = Literal["missing", "incomplete", "of another study.toml", "changed by hand", "present"]
 
 
 class ResultsError(ValueError):
@@ -51,7 +51,7 @@ class ResultsRecord:
     Attributes
     ----------
     study
-        SHA-256 of the study file.
+        Digest of what the study asks for.
     quick
         Whether they are of the reduced form.
     date
@@ -152,7 +152,7 @@ def results_state(study: Study) -> State:
     except ResultsError:
         return "incomplete" if (study.folder / FOLDER).is_dir() else "missing"
     if record.study != study.digest:
-        return "older than study.toml"
+        return "of another study.toml"
     for entry in record.tables:
         try:
             content = _csv_path(study.folder, entry.name).read_bytes()

@@ -138,7 +138,7 @@ class Study:
     check
         Values of `CHECK_KEYS`.
     digest
-        SHA-256 of the file.
+        SHA-256 of what it asks for: problems, methods, runs and analyses.
     quick
         Whether this is the reduced form.
     """
