@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib as mpl
@@ -16,6 +17,7 @@ from uqfold.comparison import Records
 from uqfold.methods import available
 from uqfold.problems.criterion import criteria
 from uqfold.report import error_against_evaluations, reliability_curves, write_figures
+from uqfold.report.curves import MOST_NESTED
 from uqfold.report.style import method_styles
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -251,3 +253,32 @@ def test_rows_without_answer_leave_gaps(records: Records) -> None:
     color = method_styles(records.finished)["biased"].color
     assert np.isnan(colored_lines(figure.axes[1], color)[0].get_ydata()[1])
     assert len(GRID) == 12
+
+
+def test_many_methods_stand_side_by_side_at_each_threshold(records: Records) -> None:
+    known = records.header.methods
+    copies = [(entry, f"{entry.label}{n or ''}") for n in range(3) for entry in known]
+    assert len(known) <= MOST_NESTED < len(copies)
+    rows = tuple(
+        {**row, "label": label}
+        for entry, label in copies
+        for row in records.rows
+        if row["label"] == entry.label
+    )
+    methods = tuple(replace(entry, label=label) for entry, label in copies)
+    many = replace(records, rows=rows, header=replace(records.header, methods=methods))
+    figure = reliability_curves(many)
+    assert figure is not None
+    (axes, *_) = figure.axes
+    drawn = [
+        set(np.round(np.asarray(line.get_xdata(), dtype=float), 9))
+        for line in axes.lines
+        if line.get_markerfacecolor() == "white" and len(line.get_xdata())
+    ]
+    assert len(drawn) >= len(copies)
+    # no two methods share a place, and none is nearer to another threshold than to its own
+    thresholds = sorted({row["threshold"] for row in rows if math.isfinite(row["threshold"])})
+    gap = min(later - earlier for earlier, later in pairwise(thresholds))
+    for index, places in enumerate(drawn):
+        assert not any(places & other for other in drawn[:index])
+        assert all(min(abs(x - t) for t in thresholds) < 0.5 * gap for x in places)

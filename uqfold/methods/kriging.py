@@ -14,7 +14,7 @@ from uqfold.methods.theory import KRIGING, Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design
+from uqfold.surrogates.designs import check_spread, space_filling_design
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.kernels import Kernel
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
@@ -69,13 +69,15 @@ class Kriging(SequentialMethod):
         sparse polynomial chaos expansion picks; ``best``: the better of the last two.
     kernel
         ``gaussian`` for smooth models, ``matern52`` for rougher ones; ``best``: the better one.
-        What is better predicts left-out runs with the higher density; the distance between the
-        answers of the best and the others is a part of the stated error.
+        What is better predicts left-out runs with the higher density, from which a trend that
+        was picked with the same responses loses the optimism of that choice; the distance between
+        the answers of the best and the others is a part of the stated error.
     noise
         Standard deviation of what the model does at the smallest scale, in the unit of the
         response; None learns it. It counts as a part of the response.
     spread
-        Standard deviation of the design points, in standard deviations of the inputs.
+        Standard deviation of the design points, in standard deviations of the inputs. Where the
+        model is noisy, what a run says about the tail grows with its distance from the centre.
 
     Raises
     ------
@@ -92,7 +94,7 @@ class Kriging(SequentialMethod):
     trend: Trend = "best"
     kernel: KernelChoice = "best"
     noise: float | None = None
-    spread: float = DEFAULT_SPREAD
+    spread: float = 2.0
 
     def __post_init__(self) -> None:
         if isinstance(self.runs, bool) or int(self.runs) != self.runs or self.runs < 1:
@@ -140,17 +142,19 @@ class Kriging(SequentialMethod):
         """Processes with the trends and kernels that are tried, the best one first."""
         u, y = runs.u[runs.finite], runs.y[runs.finite]
         names = ("quadratic", "pce") if self.trend == "best" else (self.trend,)
-        trends: list[int | IntArray] = [
-            fit_polynomial_chaos(u, y).indices if name == "pce" else _DEGREES[name]
-            for name in names
-        ]
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
-        fits = [
-            fit_gaussian_process(
-                u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
-            )
-            for trend in trends
-            for kernel in kernels
-        ]
-        return sorted(fits, key=lambda fit: fit.leave_one_out().log_density, reverse=True)
+        found: list[tuple[float, GaussianProcess]] = []
+        for name in names:
+            picked = name == "pce"
+            trend: int | IntArray
+            trend = fit_polynomial_chaos(u, y).indices if picked else _DEGREES[name]
+            for kernel in kernels:
+                fit = fit_gaussian_process(
+                    u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
+                )
+                # terms picked with all responses foretell those left out better than new ones:
+                # each counts as one parameter fitted, as in Akaike's criterion
+                optimism = fit.trend.shape[0] / y.size if picked else 0.0
+                found.append((fit.leave_one_out().log_density - optimism, fit))
+        return [fit for _, fit in sorted(found, key=lambda pair: pair[0], reverse=True)]

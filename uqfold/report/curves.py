@@ -38,6 +38,11 @@ ROW_INCHES = 2.6
 FRAME_INCHES = 1.1
 
 
+MOST_NESTED = 5
+"""More methods than this stand side by side at each threshold, not on top of each other."""
+GROUPED_SIZE = 4.0
+
+
 @figure_settings()
 def reliability_curves(records: Records) -> Figure | None:
     """Draw R(T), and pf(T) on a logarithmic axis beside it: one row of panels per tau and missions.
@@ -93,12 +98,34 @@ def reliability_curves(records: Records) -> Figure | None:
 def _draw_curves(
     axes: Axes, rows: Sequence[Row], styles: Mapping[str, MethodStyle], as_pf: bool
 ) -> None:
-    draw_reference(axes, reference_curve(rows), as_pf)
+    reference = reference_curve(rows)
+    crowded = len(styles) > MOST_NESTED
+    width = _group_width(rows) if crowded else 0.0
+    if crowded:
+        _draw_group_references(axes, reference, width, as_pf)
+    else:
+        draw_reference(axes, reference, as_pf)
     for i, (label, style) in enumerate(styles.items()):
         own = [row for row in rows if row["label"] == label and math.isfinite(row["threshold"])]
         own.sort(key=lambda row: float(row["threshold"]))
-        curve = method_curve(own, [row["threshold"] for row in own])
-        draw_method(axes, curve, style, as_pf, size=_nested_size(i, len(styles)), joined=True)
+        step = width * ((i + 0.5) / len(styles) - 0.5)
+        curve = method_curve(own, [row["threshold"] + step for row in own])
+        size = GROUPED_SIZE if crowded else _nested_size(i, len(styles))
+        draw_method(axes, curve, style, as_pf, size=size, joined=not crowded)
+
+
+def _group_width(rows: Sequence[Row]) -> float:
+    """Give the width that the methods of one threshold may take."""
+    thresholds = np.unique([row["threshold"] for row in rows if math.isfinite(row["threshold"])])
+    return 0.8 * float(np.diff(thresholds).min()) if thresholds.size > 1 else 0.0
+
+
+def _draw_group_references(axes: Axes, reference: Curve, width: float, as_pf: bool) -> None:
+    """Draw the reference of every threshold, with its band, across the methods that stand there."""
+    axes.plot(reference.x, reference.values(as_pf)[0], color=BAND_COLOR, linewidth=0.8, zorder=0.4)
+    for x, *values in zip(reference.x, reference.pf, reference.low, reference.high, strict=True):
+        edges = np.array([x - 0.5 * width, x + 0.5 * width])
+        draw_reference(axes, Curve(edges, *(np.resize(value, 2) for value in values)), as_pf)
 
 
 def _draw_points(
