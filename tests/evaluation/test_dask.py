@@ -1,9 +1,8 @@
-"""Dask: the answer of this process, also when a worker dies; `pytest -m slow`."""
+"""Dask: the answer of this process, also when a worker dies."""
 
 import os
 import signal
 import threading
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +17,6 @@ from uqfold.methods import MonteCarlo
 distributed = pytest.importorskip("distributed", reason="needs the extra `distributed`")
 
 pytestmark = [
-    pytest.mark.slow,
     # of the loops and servers that the cluster leaves behind
     pytest.mark.filterwarnings("default::ResourceWarning", "default::DeprecationWarning"),
 ]
@@ -57,6 +55,7 @@ def test_the_cluster_gives_the_answer_of_this_process(cluster: Any) -> None:
         assert numbers(models.quadratic, executor=client.get_executor()) == expected
 
 
+@pytest.mark.slow
 def test_the_wing_deploys_on_a_cluster(cluster: Any) -> None:
     problem = uqfold.problems.folding_wing()
     x = problem.inputs.sample(np.random.default_rng(2), 256)
@@ -67,26 +66,33 @@ def test_the_wing_deploys_on_a_cluster(cluster: Any) -> None:
 
 def test_a_worker_that_is_killed_halfway_changes_nothing(cluster: Any) -> None:
     expected = numbers(models.quadratic)
-    killed: list[int] = []
+    with distributed.Client(cluster) as client:
+        victim = min(client.run(os.getpid).values())
+    done: list[int] = []
+    done_at_death: list[int] = []
+    halfway = threading.Event()
 
     def kill() -> None:
-        time.sleep(1.5)
-        with distributed.Client(cluster) as client:
-            killed.append(min(client.run(os.getpid).values()))
-        os.kill(killed[0], signal.SIGKILL)
+        if halfway.wait(timeout=120):
+            done_at_death.append(done[-1])
+            os.kill(victim, signal.SIGKILL)
 
+    def progress(n_evals: int, _expected: int | None) -> None:
+        done.append(n_evals)
+        if n_evals > 1000:
+            halfway.set()
+
+    killer = threading.Thread(target=kill)
+    killer.start()
     with Dask(cluster.scheduler_address) as dask:
-        killer = threading.Thread(target=kill)
-        killer.start()
-        started = time.monotonic()
-        assert numbers(models.Uneven(0.05), executor=dask, batch_rows=64) == expected
-        took = time.monotonic() - started
-        killer.join()
-    assert killed
+        settings = {"executor": dask, "batch_rows": 64, "progress": progress}
+        assert numbers(models.Uneven(0.05), **settings) == expected
+    killer.join()
     # it was at work when the worker died
-    assert took > 2.5
+    assert 1000 < done_at_death[0] < done[-1] - 1000
 
 
+@pytest.mark.slow
 def test_a_run_that_kills_its_workers_fails_and_others_do_not() -> None:
     import dask.config
 

@@ -17,6 +17,7 @@ import uqfold
 from tests.evaluation import models
 from uqfold.evaluation import Evaluator, FailedRunError, Store, StoreError
 from uqfold.evaluation.identity import model_identity
+from uqfold.evaluation.shelf import MOST_WAITING, Shelf
 from uqfold.evaluation.store import entry_key
 from uqfold.methods import FFNIPearson, MonteCarlo
 from uqfold.typing import FloatArray, Model
@@ -141,6 +142,16 @@ def test_policies_are_applied_to_what_comes_from_the_store(path: Path) -> None:
     assert np.isposinf(session.evaluate(x)).sum() == (x[:, 1] > models.FATAL).sum()
     # what was good is kept although the run was ended
     assert session.n_reused > 0
+
+
+def test_runs_of_a_cheap_model_do_not_gather_in_memory(path: Path) -> None:
+    with Store(path) as store:
+        shelf = Shelf(store, IDENTITY)
+        x = models.rows(MOST_WAITING)
+        shelf.keep(x[:-1], models.quadratic(x[:-1]), 1, 0.0)
+        assert len(store) == 0
+        shelf.keep(x[-1:], models.quadratic(x[-1:]), 1, 0.0)
+        assert len(store) == MOST_WAITING
 
 
 def test_without_a_version_nothing_is_stored_and_that_is_said(path: Path) -> None:

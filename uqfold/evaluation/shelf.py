@@ -9,6 +9,8 @@ from uqfold.typing import FloatArray
 
 WORTH_A_COMMIT_SECONDS = 0.05
 """Work waiting to be written is committed once it took so long: less is quicker to repeat."""
+MOST_WAITING = 8192
+"""So many entries are committed whatever they took: a cheap model must not fill the memory."""
 
 
 class Shelf:
@@ -50,7 +52,8 @@ class Shelf:
             if not np.isnan(y[piece]).all():
                 self._waiting.append((entry_key(self._identity, x[piece]), y[piece].copy()))
         self._waiting_seconds += seconds
-        if self._waiting_seconds >= WORTH_A_COMMIT_SECONDS:
+        worth_it = self._waiting_seconds >= WORTH_A_COMMIT_SECONDS
+        if worth_it or len(self._waiting) >= MOST_WAITING:
             self.flush()
 
     def flush(self) -> None:

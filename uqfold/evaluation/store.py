@@ -254,6 +254,7 @@ class Store:
             "SQLITE_NOTADB": "is no store of uqfold, or a damaged one",
             "SQLITE_CORRUPT": "is damaged: put back a copy of the file, or give another path",
             "SQLITE_FULL": "cannot be written, the disk is full: what was committed is kept",
+            "SQLITE_IOERR": "cannot be read or written: check the disk, its quota and the network",
             "SQLITE_CANTOPEN": "cannot be opened or made: check the folder and its permissions",
             "SQLITE_READONLY": "is read-only: check its permissions",
             "SQLITE_BUSY": f"is locked by another process since {BUSY_SECONDS:.0f} s",

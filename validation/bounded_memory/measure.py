@@ -1,0 +1,96 @@
+"""Peak memory of Monte Carlo runs of a cheap model, with and without a store.
+
+Each run has a process of its own, which reports its peak resident memory at its end.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from functools import partial
+from pathlib import Path
+
+from uqfold.comparison.findings import Finding
+from uqfold.evidence import Measurement, Table
+from uqfold.evidence.work import Work
+
+MEGABYTE = 1e6
+MOST = 500.0
+"""Peak memory allowed (MB)."""
+MOST_GROWTH = 10.0
+"""Growth allowed from a tenth of the systems (MB)."""
+
+RUN = """
+import resource, sys
+import uqfold
+from uqfold.evaluation import Evaluator
+from uqfold.inputs import normal
+
+systems, seed, store, keeps = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], sys.argv[4]
+kept = []
+
+def model(x):
+    y = x[:, 0] + 0.5 * x[:, 1]
+    if keeps == "all":
+        kept.append((x, y))
+    return y
+
+problem = uqfold.Problem(
+    model, individual={"a": normal(0.0, 1.0), "b": normal(0.0, 1.0)}, name="cheap", version="1"
+)
+method = uqfold.methods.MonteCarlo(systems=systems)
+evaluator = Evaluator(store=store or None)
+result = method.estimate(problem, uqfold.criteria(4.0), rng=seed, evaluator=evaluator)
+assert result.n_evals == systems
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def peak_memory(systems: int, *, seed: int, store: bool = False, keeps: str = "nothing") -> float:
+    """Peak resident memory (MB) of a Monte Carlo run in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "runs.db") if store else ""
+        done = subprocess.run(
+            [sys.executable, "-c", RUN, str(systems), str(seed), path, keeps],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    unit = 1 if sys.platform == "darwin" else 1024
+    return int(done.stdout) * unit / MEGABYTE
+
+
+def measure(work: Work) -> Measurement:
+    """Measure pairs of runs, one with ten times the systems of the other."""
+    keeps = "all" if work.fault == "runs kept" else "nothing"
+    sizes = {
+        False: work.pick(3_000_000, 10_000_000, 100_000_000),
+        True: work.pick(500_000, 3_000_000, 10_000_000),
+    }
+    [seed] = work.seeds
+    peaks = work.parts(
+        {
+            f"{systems}, store: {store}": partial(
+                peak_memory, systems, seed=seed, store=store, keeps=keeps
+            )
+            for store, many in sizes.items()
+            for systems in (many // 10, many)
+        }
+    )
+    rows, findings = [], []
+    for store, many in sizes.items():
+        few_peak, peak = (peaks[f"{n}, store: {store}"] for n in (many // 10, many))
+        kind = "with a store" if store else "without a store"
+        rows += [
+            {"store": "yes" if store else "no", "systems": n, "peak memory (MB)": value}
+            for n, value in ((many // 10, few_peak), (many, peak))
+        ]
+        findings += [
+            Finding(f"systems, {kind}", many),
+            Finding(f"peak memory, {kind}", peak, MOST, "MB"),
+            Finding(
+                f"growth from a tenth of the systems, {kind}", peak - few_peak, MOST_GROWTH, "MB"
+            ),
+        ]
+    return Measurement.of(findings, [Table.of("memory", "Peak resident memory", rows)])
