@@ -24,6 +24,7 @@ from uqfold.report.wording import (
     panel_key,
     panel_text,
     percent,
+    probability,
     quantity,
     reference_resolution,
     scientific,
@@ -199,9 +200,9 @@ def _point(row: Row, x: float, unit: str, as_pf: bool) -> Point:
 
 
 def _told(row: Row) -> str:
-    said = [f"pf = {scientific(row['pf'], 4)}"]
+    said = [f"pf = {probability(row['pf'], 4)}"]
     if not math.isnan(row["ci_low"] + row["ci_high"]):
-        ends = " .. ".join(scientific(row[end], 3) for end in ("ci_low", "ci_high"))
+        ends = " .. ".join(probability(row[end], 3) for end in ("ci_low", "ci_high"))
         said.append(f"interval {ends}")
     if not math.isnan(row["error"]):
         said.append(f"error {percent(row['error'])}")
@@ -219,7 +220,7 @@ def _reference_series(rows: Sequence[Row], unit: str, as_pf: bool) -> list[Serie
         low, high = max(pf - half, SMALLEST_PF), min(pf + half, 1.0)
         text = (
             f"{criterion_text(criterion_key(row), unit)}\n"
-            f"pf = {scientific(pf, 4)} ± {scientific(row['reference_std_error'], 2)}"
+            f"pf = {probability(pf, 4)} ± {scientific(row['reference_std_error'], 2)}"
         )
         if as_pf:
             points.append(Point(threshold, pf, low, high, text))

@@ -263,6 +263,9 @@ def test_values_are_read_with_the_pointer(comparison: Any) -> None:
     js(comparison, "arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", point)
     ActionChains(comparison, duration=0).move_to_element(point).perform()
     assert "T = 11 mm, 1 mission" in tip(comparison)
+    # methods on one spot are all named
+    assert "\nalso here: " in tip(comparison)
+    assert tip(comparison).endswith("reference")
     head = comparison.find_element("css selector", "h1")
     js(comparison, "arguments[0].scrollIntoView({behavior: 'instant'})", head)
     ActionChains(comparison, duration=0).move_to_element(head).perform()
@@ -391,6 +394,9 @@ def test_print_shows_everything_but_the_controls(comparison: Any, tmp_path: Path
     assert seen(comparison, "#curves .view") == 2
     for hidden in (".theme", ".table-tools", ".views", ".controls", "nav"):
         assert seen(comparison, hidden) == 0
+    # a heading that holds a box of its own would not be repeated on the next page
+    display = "return getComputedStyle(document.querySelector('th button')).display"
+    assert js(comparison, display) == "contents"
     pdf = comparison.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
     assert base64.b64decode(pdf["data"]).count(b"/Type /Page") >= 2
 

@@ -167,7 +167,7 @@
       const text = title.textContent;
       title.remove();
       const series = element.closest(".series");
-      return { x, y, series, text: `${series.dataset.label}\n${text}` };
+      return { x, y, series, label: series.dataset.label, text: `${series.dataset.label}\n${text}` };
     });
     if (!points.length) continue;
     const tip = make("div", { className: "tip", hidden: true });
@@ -186,7 +186,10 @@
       halo.setAttribute("cx", point.x);
       halo.setAttribute("cy", point.y);
       svg.append(halo);
-      tip.textContent = point.text;
+      const near = (other) => other !== point && Math.hypot(other.x - point.x, other.y - point.y) < 4;
+      const others = new Set(visible().filter(near).map((other) => other.label));
+      others.delete(point.label);
+      tip.textContent = others.size ? `${point.text}\nalso here: ${[...others].join(", ")}` : point.text;
       tip.hidden = false;
       const scale = svg.clientWidth / svg.viewBox.baseVal.width;
       const left = point.x * scale + 12, top = point.y * scale + 12;
