@@ -24,6 +24,9 @@ def test_finished_parts_outlive_an_interruption(tmp_path: Path) -> None:
         work.parts({"a": lambda: part("a"), "b": lambda: part("b", stop=True)})
     found = work.parts({"a": lambda: part("a"), "b": lambda: part("b")})
     assert made == ["a", "b"]
+    # what an interrupted run spent on a part is not forgotten
+    assert len(work.saved) == 1
+    assert work.saved[0] >= 0.0
     assert found == {"a": {"a": [1.5, float("inf")]}, "b": {"b": [1.5, float("inf")]}}
     assert told == [(0, 2), (1, 2), (0, 2), (1, 2), (2, 2)]
 

@@ -91,7 +91,7 @@ class Validation:
         digest = "-".join(code.values())[:64]
         work = Work(self.tier, None, case.seeds, self._kept(case) / digest, tell)
         measurement, error = _attempt(case, work)
-        seconds = time.perf_counter() - start
+        seconds = time.perf_counter() - start + sum(work.saved)
         return CaseRecord(
             **declared(case),
             command=command(case, self.tier),

@@ -6,8 +6,8 @@ which it meets the accuracy asked for. Speeds on one core are per second of proc
 other work on the machine hardly matters. What two cores gain and how long a first call takes are
 measured by the clock, and mean something on an idle machine only.
 
-    python validation/benchmarks/mechanism_speed.py            # about four minutes
-    python validation/benchmarks/mechanism_speed.py --quick    # about one minute
+    python -m validation.benchmarks.mechanism_speed            # about four minutes
+    python -m validation.benchmarks.mechanism_speed --quick    # about one minute
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from mechanism_peers import Solver
 
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.mechanism.deployment import deploy_rows
 from uqfold.mechanism.record import NO_RECORD
 from uqfold.mechanism.wing import sample_table, shared_parameters
+from validation.benchmarks.mechanism_peers import Solver
 
 Draws = dict[str, Any]
 """Values per draw by the names that `deployment_times` takes."""

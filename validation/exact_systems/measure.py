@@ -36,6 +36,10 @@ examples measure."""
 TOLERANCE = 0.01
 """Largest relative error of a method that states none."""
 
+UNSTATED = 1e-3
+"""Largest relative error of a surrogate beyond what it states: the surface is integrated by rules
+whose own error it takes to be 1e-4, and which several missions of several units magnify."""
+
 STANDARD_ERRORS = 4.5
 """Largest error in stated standard errors: of 100 normal numbers one in 1,500 grids exceeds it."""
 
@@ -84,6 +88,7 @@ def answers(name: str, budget: int, seed: int, fault: str | None) -> list[dict[s
                     "exact": exact,
                     "pf": row.pf if answered else None,
                     "relative error": row.pf / exact - 1.0 if answered else None,
+                    "stated": stated / exact if answered else None,
                     "error kind": row.error_kind,
                     "standard errors": z,
                     "status": row.status,
@@ -105,7 +110,18 @@ def judge(name: str, rows: list[dict[str, Any]]) -> list[Finding]:
     stated = [abs(row["standard errors"]) for row in firm if row["standard errors"] is not None]
     if silent:
         findings.append(Finding(f"{name}: largest relative error", max(silent), TOLERANCE))
-    if stated:
+    surrogate = [row for row in firm if row["error kind"] == "surrogate"]
+    if surrogate:
+        beyond = max(
+            abs(row["relative error"]) - STANDARD_ERRORS * row["stated"] for row in surrogate
+        )
+        findings += [
+            Finding(
+                f"{name}: largest relative error beyond the stated", max(beyond, 0.0), UNSTATED
+            ),
+            Finding(f"{name}: largest error in stated errors", max(stated)),
+        ]
+    elif stated:
         findings.append(
             Finding(f"{name}: largest error in standard errors", max(stated), STANDARD_ERRORS)
         )
