@@ -42,8 +42,7 @@ def errors(found: PfDerivatives, system: LinearNormalSystem) -> np.ndarray:
 def test_exact_on_a_linear_system(found: PfDerivatives) -> None:
     assert np.abs(errors(found, SYSTEM)).max() < 3.0
     for row in found:
-        # largest where the shared input is integrated with few nodes
-        assert row.std_error < 4e-3 * max(row.pf, abs(row.derivative))
+        assert row.std_error < 6e-3 * abs(row.derivative) + 2e-3 * row.pf
         assert row.error_kind == "surrogate"
 
 

@@ -23,7 +23,7 @@ ROW = {
     "ci_low": 0.03,
     "ci_high": 0.07,
     "status": "converged",
-    "n_evals_row": 1000,
+    "n_evals": 1000,
     "reference_pf": 0.05,
     "reference_std_error": 0.0,
 }

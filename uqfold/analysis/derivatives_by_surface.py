@@ -41,8 +41,9 @@ _STEP = 0.05
 _DRAWS = 20
 _STREAM = 7
 """Block of the seed that the draws come from; fits use the first few."""
-_DIFFERENCE_ERROR = 2e-3
-"""Error of a central difference of the reliability index, per standard deviation."""
+_RELATIVE_ERROR, _ABSOLUTE_ERROR = 4e-3, 2e-4
+"""Error of a central difference of the reliability index on the points of one surface rule: a share
+of it, and per standard deviation of the input."""
 
 
 def surface_derivatives(
@@ -161,8 +162,8 @@ class _Differences:
         derivative, relative = _of_pf(self.index, slope)
         drawn, drawn_relative = _of_pf(indices, slopes)
         factor = self.fitted.overconfidence
-        own = np.abs(np.array(_of_pf(self.index, np.full_like(slope, _DIFFERENCE_ERROR))))
-        own /= parameter.std
+        inexact = np.hypot(_RELATIVE_ERROR * slope, _ABSOLUTE_ERROR / parameter.std)
+        own = np.abs(np.array(_of_pf(self.index, inexact)))
         errors = np.hypot(factor * drawn.std(axis=0, ddof=1), own[0])
         relative_errors = np.hypot(factor * drawn_relative.std(axis=0, ddof=1), own[1])
         rows = zip(derivative, errors, relative, relative_errors, strict=True)

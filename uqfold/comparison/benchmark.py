@@ -18,7 +18,7 @@ GROUP = ("problem", "label", "max_evals", "synchronized", "decade")
 """Columns that `benchmark_summary` groups by."""
 NEEDS = (
     "problem", "label", "max_evals", "threshold", "tau", "missions", "seed", "pf", "std_error",
-    "ci_low", "ci_high", "status", "n_evals_row", "reference_pf", "reference_std_error",
+    "ci_low", "ci_high", "status", "n_evals", "reference_pf", "reference_std_error",
 )  # fmt: skip
 """Columns that it reads."""
 RESOLUTION = 0.5
@@ -43,7 +43,7 @@ def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFram
         ``answers``, ``runs``
             Rows with an answer, and rows in all.
         ``n_evals``
-            Mean number of evaluations per answer.
+            Mean number of evaluations of a run, which answers all criteria of its grid.
         ``bias``, ``bias_error``
             Mean relative error, and its standard error over seeds (NaN with one seed).
         ``rms``
@@ -92,11 +92,11 @@ def _summary(rows: pd.DataFrame, units: int) -> dict[str, Any]:
     inside = (reference >= answered["ci_low"] - slack) & (reference <= answered["ci_high"] + slack)
     rms = _rms(error)
     missions = answered["missions"].map(_mean_missions)
-    systems = answered["n_evals_row"] / (units * missions)
+    systems = answered["n_evals"] / (units * missions)
     simple = _rms(np.sqrt((1.0 - reference) / (reference * systems)))
     return {
         **found,
-        "n_evals": float(answered["n_evals_row"].mean()),
+        "n_evals": float(answered["n_evals"].mean()),
         "bias": float(error.mean()),
         "bias_error": float(by_seed.std(ddof=1) / math.sqrt(len(by_seed)))
         if len(by_seed) > 1

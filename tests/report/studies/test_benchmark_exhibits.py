@@ -24,7 +24,7 @@ def runs() -> pd.DataFrame:
                             "problem": "toy", "label": label, "max_evals": budget,
                             "threshold": reference, "tau": math.nan, "missions": "1", "seed": seed,
                             "pf": pf, "std_error": error * reference, "ci_low": 0.0, "ci_high": 1.0,
-                            "status": "converged", "n_evals_row": int(budget),
+                            "status": "converged", "n_evals": int(budget),
                             "reference_pf": reference, "reference_std_error": 0.0, "method": label,
                         }
                     )  # fmt: skip

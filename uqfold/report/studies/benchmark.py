@@ -66,7 +66,8 @@ def draw_budgets(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]
             if i == 0:
                 axes.set_title(problem)
         grid[i, 0].set_ylabel(f"pf {decade_text(decade)}")
-    figure.supxlabel("evaluations of the model", fontsize=9.0)
+    for axes in grid[-1]:
+        axes.set_xlabel("evaluations")
     figure.supylabel("root mean square error of pf, Eq. (49)", fontsize=9.0)
     handles = [
         Line2D([], [], marker=styles[name].marker, color=styles[name].color, label=name)
@@ -80,14 +81,14 @@ def draw_budgets(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]
                 label="not beyond the reference's error",
             )
         )  # fmt: skip
-    figure.legend(handles=handles, loc="outside lower center", ncols=5)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
 def _draw(axes: Axes, rows: pd.DataFrame, styles: Mapping[str, MethodStyle]) -> None:
-    axes.set(xscale="log", yscale="log", xlim=(50, 20_000), ylim=(_SMALLEST, _LARGEST))
+    axes.set(xscale="log", yscale="log", xlim=(20, 20_000), ylim=(_SMALLEST, _LARGEST))
     axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("000", "k"))
     line = rows.sort_values("n_evals")
     axes.plot(line["n_evals"], line["monte_carlo_rms"], **EXPECTED)
     for name, look in styles.items():

@@ -19,7 +19,8 @@ def ranking(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> 
     """Rank methods by the median over problems of their root mean square error.
 
     Settings are the values of the keys of `RANKING`. A method is ranked where it answers all
-    criteria of the decade on every problem that has a reference there.
+    criteria of the decade on every problem that has a reference there. The worst problem is named
+    where the reference can judge it.
     """
     import pandas as pd
 
@@ -31,11 +32,12 @@ def ranking(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> 
     ):
         mine = complete.loc[complete.index.intersection(own.index)]
         problems = own["problem"].nunique()
-        errors = mine.groupby("label")["rms"].agg(["median", "max", "size"])
+        errors = mine.groupby("label")["rms"].agg(["median", "size"])
+        errors["max"] = mine[mine["judged"]].groupby("label")["rms"].max()
         errors = errors[errors["size"] == problems].sort_values("median", kind="stable")
         first = [
             f"{label} {percent(one['median'])}"
-            + (f" (worst {percent(one['max'])})" if problems > 1 else "")
+            + (f" (worst {percent(one['max'])})" if one["max"] > one["median"] else "")
             for label, one in errors.head(settings["places"]).iterrows()
         ]
         rows.append(

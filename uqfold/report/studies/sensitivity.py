@@ -96,7 +96,7 @@ def draw_derivatives(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
     labels, panels = distinct(frame, "label"), distinct(frame, settings["panels"])
     styles = method_styles(labels)
     width = COLUMN_INCHES if len(panels) == 1 else 1.1 + PANEL_INCHES * len(panels)
-    figure = Figure(figsize=(width, 1.0 + ROW_INCHES * len(parameters)), layout="constrained")
+    figure = Figure(figsize=(width, 1.2 + ROW_INCHES * len(parameters)), layout="constrained")
     for axes, panel in zip(
         figure.subplots(1, len(panels), squeeze=False, sharey=True)[0], panels, strict=True
     ):
@@ -113,11 +113,11 @@ def draw_derivatives(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
             _points(axes, value, y, styles[label], hollow=False)
         if settings["panels"] is not None:
             axes.set_title(value_text(settings["panels"], panel, unit))
+        axes.set_xlabel("relative change of pf\nper std. dev. of the input")
         _name_rows(axes, names)
         axes.axhline(
             sum(moment == "mean" for _, moment in parameters) - 0.5, color="#BBBBBB", linewidth=0.8
         )
-    figure.supxlabel("relative change of pf per standard deviation of the input", fontsize=9.0)
     figure.legend(
         handles=[_handle(styles[label], label) for label in labels],
         loc="outside lower center", ncols=len(labels),
