@@ -120,15 +120,16 @@ def test_a_second_run_reuses_and_gives_the_same(study: Study, tmp_path: Path) ->
     for one, other in zip(first, second, strict=True):
         assert _same(one.rows, other.rows)
         assert one.n_evals == other.n_evals
-    # another model in the user's file: its jobs alone are done again
-    (tmp_path / "mine.py").write_text(MODEL.replace('version="1"', 'version="2"'))
-    runner = StudyRunner(
-        load_study(tmp_path, {}, {}),
+    # another model in the user's file: its jobs alone are done again, with the new model
+    (tmp_path / "mine.py").write_text(MODEL.replace("+ x[:, 1]", "- 9.0").replace('"1"', '"2"'))
+    changed = StudyRunner(
+        load_study(tmp_path, figure_kinds(), table_kinds()),
         tmp_path / "cache",
         lambda title, n, expected: seen.append(title),
     )
-    fresh = load_study(tmp_path, figure_kinds(), table_kinds())
-    assert fresh.problems["mine"].fingerprint() != ""
+    body = next(table for table in changed.tables() if table.name == "body")
+    assert {title.split(" / ")[1] for title in seen} == {"mine"}
+    assert {row["pf"] for row in body.rows if row["problem"] == "mine"} == {0.0}
 
 
 def test_interruption_keeps_finished_jobs(study: Study, tmp_path: Path) -> None:

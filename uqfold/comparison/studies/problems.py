@@ -130,8 +130,9 @@ class ProblemSpec:
             return available_cases()[self.settings["case"]].function()
         file, attribute = self._file(), self.settings["function"].partition(":")[2]
         place = self.place.at("function")
-        # a name of its own, so that studies may all call their files alike
-        name = f"_uqfold_study_{hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]}"
+        # a name of its own: studies may all call their files alike, and a file may change
+        content = str(file.resolve()).encode() + file.read_bytes()
+        name = f"_uqfold_study_{hashlib.sha256(content).hexdigest()[:16]}"
         module = sys.modules.get(name)
         if module is None:
             spec = importlib.util.spec_from_file_location(name, file)
