@@ -102,9 +102,12 @@ def answers_table(records: Records, numbers: Mapping[tuple[str, str], int]) -> T
 def remarks_table(records: Records, numbers: Mapping[tuple[str, str], int]) -> Table:
     """Give what methods say about answers that did not converge, each remark once."""
     keys = method_keys(records)
+    by_remark: dict[tuple[str, str], list[Record]] = {}
+    for row in records.rows:
+        by_remark.setdefault((row["label"], remark(row)), []).append(row)
     rows = []
     for (label, said), number in numbers.items():
-        concerned = [r for r in records.rows if (r["label"], remark(r)) == (label, said)]
+        concerned = by_remark[label, said]
         statuses = dict.fromkeys(row["status"].replace("_", " ") for row in concerned)
         cells = (
             Cell(f"[{number}]", float(number)),

@@ -20,17 +20,15 @@ def template(name: str) -> Template:
 def _environment() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
+    def finalized(value: Any) -> Any:
+        # what is written already is a Markup, which is no plain str
+        return visible(value) if type(value) is str else value
+
     return Environment(
         loader=PackageLoader("uqfold.report.page", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=_finalized,
+        finalize=finalized,
     )
-
-
-def _finalized(value: Any) -> Any:
-    from markupsafe import Markup
-
-    return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value

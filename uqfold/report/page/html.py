@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
+_SHORT = 26
+
+
 def page_html(page: Page) -> str:
     """Write a page as HTML.
 
@@ -71,6 +74,7 @@ class _Writer:
     @property
     def names(self) -> dict[str, Any]:
         return {
+            "cell_classes": _cell_classes,
             "chart": self.chart,
             "strip": self.strip,
             "swatch": self.swatch,
@@ -136,6 +140,16 @@ def _sortable(cell: Cell) -> str | None:
     if cell.value is None:
         return None
     return "" if cell.value != cell.value else repr(float(cell.value))
+
+
+def _cell_classes(cell: Cell, numeric: bool) -> str:
+    """Give the classes of a cell; what is short stays on one line."""
+    classes = ["number"] if numeric else []
+    if len(plain(cell.words)) <= _SHORT:
+        classes.append("short")
+    if cell.tone:
+        classes.append(f"tone {cell.tone}")
+    return " ".join(classes)
 
 
 def _subsections(section: Section) -> Iterator[Section]:
