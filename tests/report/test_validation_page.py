@@ -62,7 +62,9 @@ def test_the_summary_says_what_holds_and_what_does_not_and_why() -> None:
     assert said["What was checked?"][0] == "4 claims"
     assert "3 of 3 faults planted on purpose were noticed" in said["What was checked?"][1]
     assert said["What holds?"] == (
-        "1 of 4 hold", "1 does not hold. 2 cannot be judged.", "bad"
+        "1 of 4 hold",
+        "1 does not hold. 2 cannot be judged. 3 of 6 limits are kept; 2 cannot be judged.",
+        "bad",
     )  # fmt: skip
     answer, why, tone = said["What does not hold, and why?"]
     assert (answer, tone) == ("2 cases", "bad")

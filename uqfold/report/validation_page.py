@@ -122,8 +122,10 @@ def _verdict_card(records: Sequence[CaseRecord]) -> Card:
         for verdict, tone in VERDICT_TONES.items()
         if verdict != "holds" and counts[verdict]
     ]
-    if not more:
-        more = ["Every claim keeps every limit that was set for it."]
+    limits = Counter(one.verdict for record in records for one in record.judged if one.verdict)
+    said = f"{limits['holds']} of {limits.total()} limits are kept"
+    open_ones = limits["cannot be judged"]
+    more.append(f"{said}; {open_ones} cannot be judged." if open_ones else f"{said}.")
     tone: Tone = "good"
     if counts["does not hold"]:
         tone = "bad"

@@ -10,10 +10,11 @@ from typing import Any
 
 import pytest
 
-from tests.comparison.fakes import toy_records
+from tests.comparison.fakes import METHODS, Told, toy_records
 from tests.evidence.records import full_record
 from tests.report.page.test_html import page as page_of_everything
 from uqfold.comparison import Records
+from uqfold.problems.criterion import criteria
 from uqfold.report import write_report
 from uqfold.report.page import write_page
 
@@ -31,7 +32,10 @@ def records() -> Records:
 def files(records: Records, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     cases = [full_record(), full_record(name="other", title="Another case")]
+    many = {f"told-{i}": Told(n=50 * 3**i, bias=0.3 * (-0.5) ** i) for i in range(7)}
+    eight = toy_records(criteria([11.0, 12.0, 13.0]), {**many, "broken": METHODS["broken"]})
     written = {
+        "eight methods": write_report(eight, folder / "eight.html"),
         "comparison": write_report(records, folder / "comparison.html"),
         "validation": write_report(cases, folder / "validation.html"),
         "hostile": write_page(page_of_everything(), folder / "hostile.html"),
@@ -109,7 +113,7 @@ def numbers(values: list[str]) -> list[float]:
     return [float(value) for value in values if value]
 
 
-@pytest.mark.parametrize("name", ["comparison", "validation", "hostile"])
+@pytest.mark.parametrize("name", ["comparison", "eight methods", "validation", "hostile"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_opens_without_a_complaint(
     name: str, scheme: str, opened: Open, files: dict[str, Path]
@@ -367,7 +371,7 @@ def test_every_text_has_enough_contrast(
     assert any(".lead" in one for one in js(driver, CONTRASTS)[1])
 
 
-@pytest.mark.parametrize("name", ["comparison", "validation"])
+@pytest.mark.parametrize("name", ["comparison", "eight methods", "validation"])
 def test_the_summary_fits_on_one_screen(name: str, opened: Open, files: dict[str, Path]) -> None:
     driver = opened(files[name])
     resize(driver, 1280, 800)

@@ -81,8 +81,8 @@ class _Writer:
                 yield from (f"{mark} {_words(item)}" for item in block.items)
             case Cards():
                 for card in block.cards:
-                    said = " ".join(_words(words) for words in card.more)
-                    yield f"- {_words(card.title)}: **{_words(card.answer)}** {said}".rstrip()
+                    yield f"- {_words(card.title)} **{_words(card.answer)}**"
+                    yield from (f"  - {_words(words)}" for words in card.more)
             case Table():
                 yield from _table(block)
             case Facts():
