@@ -19,6 +19,7 @@ PAGES = [
     "docs/records.md",
     "docs/reports.md",
     "docs/studies.md",
+    "docs/validation.md",
 ]
 
 
@@ -27,6 +28,8 @@ def test_python_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
     assert blocks, f"{page} shows no Python code"
     monkeypatch.chdir(tmp_path)
+    # pages name files of the repository as they are called from its top
+    (tmp_path / "validation").symlink_to(ROOT / "validation")
     if "uqfold-results/series" in "".join(blocks):
         arguments = ["compare", "series", "--method", "ffni-spa", "--no-figures"]
         command = [sys.executable, "-m", "uqfold", *arguments]

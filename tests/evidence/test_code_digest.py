@@ -73,3 +73,15 @@ def test_data_of_the_case_counts_but_its_records_do_not(cases: Path) -> None:
     assert code_digests(folder) == before
     (folder / "times.csv").write_text("1", encoding="utf-8")
     assert changed_parts(before, code_digests(folder)) == (f"{cases.name}/a_case",)
+
+
+def test_declared_data_counts(cases: Path) -> None:
+    before = parts(cases, "import math\n")
+    results = cases.parent / "studies" / "one"
+    results.mkdir(parents=True)
+    (results / "curves.csv").write_text("1", encoding="utf-8")
+    with_data = code_digests(cases / "a_case", ["studies/one"])
+    assert changed_parts(before, with_data) == ("studies/one",)
+    (results / "curves.csv").write_text("2", encoding="utf-8")
+    again = code_digests(cases / "a_case", ["studies/one"])
+    assert changed_parts(with_data, again) == ("studies/one",)

@@ -52,6 +52,8 @@ class Case:
         Faults to plant, at least one.
     needs
         Packages that the full tier needs beyond those of uqfold.
+    data
+        Folders with data that it reads, relative to the folder that holds the cases' folder.
     """
 
     folder: Path
@@ -67,6 +69,7 @@ class Case:
     verdict_rule: str
     faults: tuple[Fault, ...]
     needs: tuple[str, ...] = ()
+    data: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -128,6 +131,7 @@ def load_case(folder: str | os.PathLike[str]) -> Case:
         faults=faults,
         seeds=tuple(document["seeds"]),
         needs=tuple(document.get("needs", ())),
+        data=tuple(document.get("data", ())),
         **texts,
     )
 

@@ -20,7 +20,7 @@ tiers quote the second."""
 
 def discrepancies(case: Case) -> list[str]:
     """Say where the records that lie beside a case do not belong to it or to the code."""
-    code = code_digests(case.folder)
+    code = code_digests(case.folder, case.data)
     return [line for tier in KEPT_TIERS for line in _record_discrepancies(case, tier, code)]
 
 

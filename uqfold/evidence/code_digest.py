@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -25,25 +25,30 @@ FRAME = (
 )  # fmt: skip
 
 
-def code_digests(folder: Path) -> dict[str, str]:
+def code_digests(folder: Path, data: Iterable[str] = ()) -> dict[str, str]:
     """Give part of the source code -> digest for everything that a case depends on.
 
     Parameters
     ----------
     folder
         Folder of the case; other folders beside it may hold code that it imports.
+    data
+        Folders with data that it reads, relative to the folder that holds the cases' folder.
 
     Returns
     -------
     dict[str, str]
-        A part is a room of uqfold (``uqfold/methods``), or a folder of cases
-        (``validation/limits``).
+        A part is a room of uqfold (``uqfold/methods``), a folder of cases
+        (``validation/limits``), or a folder of data.
     """
     root = folder.resolve().parent.parent
     parts: dict[str, dict[str, bytes]] = {}
     for path in sorted(_closure(folder.resolve(), root)):
         name = _name(path, root)
         parts.setdefault("/".join(name.split("/")[:2]), {})[name] = path.read_bytes()
+    for part in data:
+        read = (root / part).rglob("*.csv")
+        parts[part] = {path.relative_to(root).as_posix(): path.read_bytes() for path in read}
     return {part: _digest(files) for part, files in sorted(parts.items())}
 
 

@@ -59,7 +59,7 @@ class Validation:
         A full record that lies in the folder already, of the same code and without an error, is
         not measured again: this is how an interrupted full run goes on.
         """
-        code = code_digests(case.folder)
+        code = code_digests(case.folder, case.data)
         record = self._finished(case, code)
         if record is None:
             record = self._measured(case, code)
