@@ -36,6 +36,8 @@ _RIGHT = f"{100 * RIGHT_WITHIN:g} %"
 _SHARE_TO_NAME = 3
 """Methods named one by one in a card; the table below has them all."""
 STRIP_ENDS = (1e-4, 10.0)
+_MOST_LINES = 3
+"""Statements below the answer of a card, so that the summary stays on one screen."""
 
 
 def summary_blocks(records: Records) -> tuple[Block, ...]:
@@ -100,7 +102,7 @@ def _cost_card(judged: Sequence[Judgement]) -> Card:
             share = f"on the {other.right} criteria that it answers"
         more.append(f"{other.label} was right {share}, with {count_text(other.n_evals)}.")
     dearest = max(answering, key=lambda one: one.n_evals)
-    if dearest.n_evals > best.n_evals:
+    if dearest.n_evals > best.n_evals and len(more) < _MOST_LINES:
         more.append(f"The most: {dearest.label} with {count_text(dearest.n_evals)}.")
     return Card(title, f"{count_text(best.n_evals)} evaluations", tuple(more))
 
