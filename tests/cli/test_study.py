@@ -168,6 +168,19 @@ def test_errors_name_file_line_and_key(folder: Path, capsys: pytest.CaptureFixtu
     assert run("study", "run", "studies/none") == 1
 
 
+def test_the_example_of_the_page_runs(folder: Path) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
+    for language, name in (("toml", "study.toml"), ("python", "my_model.py")):
+        block = text[text.index(f"```{language}\n") :].partition("\n")[2].partition("```")[0]
+        (folder / name).write_text(block)
+    assert run("study", "run", "studies/small", "--quick", "--quiet", "--out", "made") == 0
+    report = Path("made/report.md").read_text()
+    assert "| load |  | once per system | Gumbel |" in report
+    # Monte Carlo, which draws, ran with the budget of the reduced form
+    table = Path("made/results/body.csv").read_text().splitlines()
+    assert len(table) == 1 + 2 * 2 * 2 * 3
+
+
 def test_help_with_examples() -> None:
     for words in ([], ["run"], ["list"], ["check"], ["keys"]):
         done = subprocess.run(

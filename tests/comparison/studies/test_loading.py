@@ -109,6 +109,7 @@ def test_the_reduced_form_replaces_keys(tmp_path: Path) -> None:
         ),
         ("quick = { thresholds = 0.53", 'quick = { thresholds = "x"', 29, "run[1].quick", "number"),
         ('name = "tail"', 'name = "body"', 1, "", "'body' occurs twice"),
+        ('name = "tail"', 'name = "inputs"', 32, "run[2].name", "every study has"),
         ('name = "tail"', 'name = "../tail"', 32, "run[2].name", "become files"),
         ('methods = "mc"', 'methods = "mcc"', 34, "run[2].methods", "'mc'"),
         ('methods = "mc"', "", 31, "run[2]", "the key methods is missing"),

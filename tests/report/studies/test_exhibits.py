@@ -136,6 +136,20 @@ def test_a_check_is_drawn_as_marks_with_its_intervals(
     assert texts == ["ffni-spa", "simulation, 95 %"]
 
 
+def test_a_label_of_its_own_keeps_the_colour_of_its_method(
+    made: tuple[Path, dict[str, pd.DataFrame]],
+) -> None:
+    _, tables = made
+    frame = tables["sync"]
+    colours = {}
+    for label in ("ffni-pearson", "fine"):
+        renamed = frame.assign(label=frame["label"].replace("ffni-pearson", label))
+        where = {"tau": 16, "missions": "1", "label": [label, "mc"]}
+        body, _ = axes_of("reliability", {**tables, "sync": renamed}, {**SETTINGS, "where": where})
+        colours[label] = [line.get_color() for line in body.get_lines()]  # type: ignore[attr-defined]
+    assert colours["fine"] == colours["ffni-pearson"]
+
+
 def test_one_panel_per_value_and_one_scale(made: tuple[Path, dict[str, pd.DataFrame]]) -> None:
     _, tables = made
     axes = axes_of(

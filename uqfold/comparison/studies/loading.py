@@ -92,6 +92,12 @@ class _Loader:
         runs = tuple(self._run(*one, quick) for one in self._array("run"))
         analyses = tuple(self._analysis(*one, quick) for one in self._array("analysis"))
         _all_different("name", runs + analyses, self.place)
+        named: dict[str, Sequence[RunSpec | Spec]] = {"run": runs, "analysis": analyses}
+        for array, specs in named.items():
+            for i, spec in enumerate(specs):
+                if spec.name in BUILT_IN:
+                    place = self.place.at(array).at(i).at("name")
+                    raise place.error(f"{spec.name!r} is the name of a table that every study has")
         study = Study(
             folder=folder,
             title=self.top["title"],
@@ -246,8 +252,6 @@ def _own(kind: Kind, read: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _checked_name(name: str, place: Place) -> str:
-    if name in BUILT_IN:
-        raise place.at("name").error(f"{name!r} is the name of a table that every study has")
     if not _NAME.fullmatch(name):
         raise place.at("name").error(
             f"{name!r}: names become files; use letters, digits, point, dash, underscore"

@@ -120,7 +120,7 @@ def draw_reliability(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFr
 def _lines(frame: pd.DataFrame, column: str | None) -> list[_Line]:
     """Give every curve its look: a method its colour, several curves of one its shades."""
     labels = distinct(frame, "label")
-    styles = method_styles(labels)
+    styles = dict(zip(labels, method_styles(_style_names(frame, labels)).values(), strict=True))
     values = distinct(frame, column)
     lines = []
     for label in labels:
@@ -132,6 +132,15 @@ def _lines(frame: pd.DataFrame, column: str | None) -> list[_Line]:
             if not having(own, column, value).empty
         ]
     return lines
+
+
+def _style_names(frame: pd.DataFrame, labels: Sequence[str]) -> list[str]:
+    """Give the name by which each label finds its look: its method's, if no other label has it."""
+    methods = [str(having(frame, "label", label)["method"].iloc[0]) for label in labels]
+    return [
+        method if methods.count(method) == 1 and method not in labels else label
+        for label, method in zip(labels, methods, strict=True)
+    ]
 
 
 def _draw(
@@ -271,5 +280,5 @@ RELIABILITY = Kind(
         Key("smallest_pf", NUMBER, "Lower end of the axis of pf; without it, what is drawn.", None),
     ),
     draw_reliability,
-    needs=("label", "threshold", "pf", "reference_pf", "error"),
+    needs=("label", "method", "threshold", "pf", "reference_pf", "error"),
 )
