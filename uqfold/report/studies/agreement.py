@@ -60,8 +60,8 @@ def _with_error(value: float, error: float) -> str:
     """Write a value with its error to the error's second digit."""
     if math.isnan(value):
         return NO_VALUE
-    if math.isnan(error):
-        return f"{value:.3g}"
+    if math.isnan(error) or value == error == 0.0:
+        return f"{value + 0.0:.3g}"
     digits = 2 if error <= 0.0 else min(max(1 - math.floor(math.log10(error)), 0), 8)
     return f"{value:.{digits}f} ± {error:.{digits}f}"
 
