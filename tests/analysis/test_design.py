@@ -39,7 +39,7 @@ def exact_threshold(tau: float | None, missions: int | Binomial) -> float:
 )
 def test_smallest_threshold_of_a_linear_system(method: Kriging | PolynomialChaos) -> None:
     designs = design_thresholds(
-        SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES, method=method, rng=1
+        SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES, method=method, points=33, rng=1
     )
     for design, profile in zip(designs, PROFILES, strict=True):
         assert design.status == "found"
@@ -87,7 +87,9 @@ def test_smallest_mean_of_an_input(method: Kriging | FFNIPearson) -> None:
         return replace(SYSTEM, mean=10.0 - 0.8 * mean).pf(criterion) - TARGET
 
     exact = float(brentq(excess, -1.0, 6.0))
-    design = design_input(problem, criterion, TARGET, "W", (-1.0, 6.0), method=method, rng=1)
+    design = design_input(
+        problem, criterion, TARGET, "W", (1.0, 4.0), method=method, points=9, rng=1
+    )
     assert design.status == "found"
     assert design.value == pytest.approx(exact, abs=5e-3)
     if method.name == "kriging":
@@ -97,7 +99,15 @@ def test_smallest_mean_of_an_input(method: Kriging | FFNIPearson) -> None:
         assert math.isnan(design.low)
         assert design.n_evals == 9 * 9 * 5**2
     other = design_input(
-        problem, criterion, TARGET, "U", (-6.0, 1.0), method=method, seek="largest", rng=1
+        problem,
+        criterion,
+        TARGET,
+        "U",
+        (-5.0, -1.0),
+        method=method,
+        seek="largest",
+        points=9,
+        rng=1,
     )
     # U raises the response, 0.6 per unit
     assert other.value == pytest.approx(-exact * 0.8 / 0.6, abs=8e-3)
@@ -112,8 +122,8 @@ def test_largest_standard_deviation_of_an_input() -> None:
 
     exact = float(brentq(excess, 0.1, 2.0))
     design = design_input(
-        SYSTEM.problem(), criterion, TARGET, "W", (0.1, 2.0), moment="standard deviation",
-        seek="largest", method=Kriging(runs=40), points=33, rng=1,
+        SYSTEM.problem(), criterion, TARGET, "W", (0.3, 0.9), moment="standard deviation",
+        seek="largest", method=Kriging(runs=40), points=7, rng=1,
     )  # fmt: skip
     assert design.parameter == "standard deviation of W"
     assert design.value == pytest.approx(exact, abs=5e-3)
@@ -131,13 +141,15 @@ def replace_response(problem: Problem, response: object) -> Problem:
 def test_no_solution_in_the_range() -> None:
     problem, method = SYSTEM.problem(), Kriging(runs=40)
     for between, status in (((8.0, 9.0), "met nowhere"), ((15.0, 16.0), "met everywhere")):
-        design = design_threshold(problem, TARGET, between, method=method, rng=1)
+        design = design_threshold(problem, TARGET, between, method=method, points=9, rng=1)
         assert design.status == status
         assert math.isnan(design.value)
         with pytest.raises(ValueError, match=f"no value to verify .{status}"):
             verify(design)
     # failures of synchronization alone exceed the target, whatever T is
-    hopeless = design_threshold(problem, TARGET, (11.0, 20.0), tau=2.0, method=method, rng=1)
+    hopeless = design_threshold(
+        problem, TARGET, (11.0, 20.0), tau=2.0, method=method, points=9, rng=1
+    )
     assert hopeless.status == "met nowhere"
 
 
