@@ -96,7 +96,7 @@ DERIVATIVES = Kind(
     derivatives,
     COLUMNS,
     RowIdentity(
-        index=("problem", "label", "input", "moment", "threshold", "tau", "missions"),
+        index=("problem", "input", "moment", "threshold", "tau", "missions"),
         sample=("n_evals", "seed"),
         estimates={
             "derivative": "std_error",

@@ -50,7 +50,7 @@ COLUMNS: dict[str, type] = {
     "agrees": str,
 }
 _IDENTITY = RowIdentity(
-    index=("problem", "label", "parameter", "threshold", "tau", "missions", "target_pf"),
+    index=("problem", "parameter", "threshold", "tau", "missions", "target_pf"),
     sample=("n_evals", "seed", "verified_n_evals"),
     estimates={"value": "std_error"},
     sampled=(
