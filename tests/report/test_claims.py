@@ -15,7 +15,7 @@ def test_page_gives_verdicts_and_numbers() -> None:
             JudgedClaim(CLAIM, (Finding("said only in a figure"),)),
         ]
     )
-    assert "Of 3 claims: 1 cannot be judged, 1 does not hold, 1 holds." in page
+    assert "Of 3 claims: 1 hold, 1 do not hold, 1 cannot be judged." in page
     assert "| [More is better.](#gain-c_r) | Section 1 | **does not hold** |" in page
     assert "- largest fall of k\\_d: 0.5 s (at most 0.25 s) - does not hold" in page
     assert page.count("Rule: never less.") == 3

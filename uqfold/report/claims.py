@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from uqfold.comparison.claims import JudgedClaim
@@ -18,10 +19,11 @@ def claims_page(judged: Sequence[JudgedClaim]) -> str:
     judged
         The claims, in the order of the page.
     """
-    counts: dict[str, int] = {}
-    for one in judged:
-        counts[one.verdict] = counts.get(one.verdict, 0) + 1
-    summary = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
+    counts = Counter(one.verdict for one in judged)
+    summary = (
+        f"{counts['holds']} hold, {counts['does not hold']} do not hold, "
+        f"{counts['cannot be judged']} cannot be judged"
+    )
     blocks = [
         "# What the paper claims, and what the studies say",
         f"Written by `{COMMAND}` from the results of the studies; nothing here is typed. Of "

@@ -1,0 +1,254 @@
+"""Every claim can break: a contradiction planted in the results turns it to "does not hold".
+
+The results are the committed ones. Where they already break a claim, or cannot judge it, they are
+first made to agree with it, so that what breaks it afterwards is the planted contradiction alone.
+"""
+
+import copy
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from uqfold.cli.study_claims import read_studies
+from uqfold.comparison.claims import CLAIMS, judged
+
+Results = dict[str, dict[str, pd.DataFrame]]
+Change = Callable[[Results], None]
+STUDIES = Path(__file__).parents[3] / "studies"
+
+
+@pytest.fixture(scope="module")
+def committed() -> Results:
+    return read_studies(STUDIES)
+
+
+def set_pf(frame: pd.DataFrame, rows: "pd.Series[bool]", pf: object) -> None:
+    frame.loc[rows, "pf"] = pf
+    frame.loc[rows, "reliability"] = 1.0 - frame.loc[rows, "pf"]
+
+
+def swapped(study: str, tables: list[str], late: bool = False) -> Change:
+    """Let the two conditions of these tables change places, everywhere or at the largest T."""
+
+    def change(results: Results) -> None:
+        for table in tables:
+            frame = results[study][table]
+            one, other = frame["problem"].unique()
+            rows = frame["threshold"] == frame["threshold"].max() if late else frame.index >= 0
+            frame.loc[rows, "problem"] = frame.loc[rows, "problem"].map({one: other, other: one})
+
+    return change
+
+
+def perfect(results: Results) -> None:
+    """Every method hits its reference."""
+    for study in ("example-1", "example-2", "example-3"):
+        for frame in results[study].values():
+            if "reference_pf" in frame:
+                known = frame["reference_pf"].notna()
+                set_pf(frame, known, frame.loc[known, "reference_pf"])
+                frame.loc[known, "error"] = 0.0
+
+
+def one_row_off(results: Results) -> None:
+    frame = results["example-2"]["no-sync-open"]
+    rows = frame.index == frame["reference_pf"].sub(0.5).abs().idxmin()
+    set_pf(frame, pd.Series(rows), frame.loc[rows, "reference_pf"] - 0.06)
+    frame.loc[rows, "error"] = 0.06 / frame.loc[rows, "reference_pf"]
+
+
+def one_run_more(results: Results) -> None:
+    results["example-6"]["sync"].loc[3, "n_evals"] += 1
+
+
+def missions_cross(results: Results) -> None:
+    frame = results["example-6"]["no-sync"]
+    rows = (frame["missions"] == "5") & (frame["threshold"] == 0.365)
+    set_pf(frame, rows, 0.01)
+
+
+def planned_cross(results: Results) -> None:
+    frame = results["example-3"]["planned"]
+    rows = frame["missions_planned"] == 10
+    set_pf(frame, rows, frame.loc[rows, "pf"] * 0.5)
+
+
+def tau_crosses(results: Results) -> None:
+    frame = results["example-1"]["sync"]
+    rows = (frame["tau"] == frame["tau"].max()) & (frame["threshold"] == 4.0)
+    set_pf(frame, rows, 0.9)
+
+
+def gain_grows(results: Results) -> None:
+    frame = results["example-4"]["delta-sync"]
+    rows = (frame["tau"] == 0.035) & (frame["threshold"] == frame["threshold"].max())
+    set_pf(frame, rows, frame.loc[rows, "pf"] + 0.25)
+
+
+def tau_does_nothing(results: Results) -> None:
+    frame = results["example-3"]["sync"]
+    for _, rows in frame.groupby(["threshold", "missions"]).groups.items():
+        set_pf(frame, frame.index.isin(rows), frame.loc[rows, "pf"].mean())
+
+
+def independence_helps(results: Results) -> None:
+    frame = results["example-3"]["independence"]
+    frame.loc[frame["threshold"] == 0.55, "difference"] *= -1.0
+
+
+def gap_is_small(results: Results) -> None:
+    results["example-6"]["independence"]["difference"] *= 0.1
+
+
+def patterns_all_alike(results: Results) -> None:
+    """Inputs b and k_d get the curves of V_q."""
+    tables = results["example-5"]
+    for name, pair in (("b", (15, 16)), ("k_d", (17, 18))):
+        names = {f"condition-{11 + i}": f"condition-{pair[i]}" for i in range(2)}
+        tables[f"{name}-no-sync"] = tables["V_q-no-sync"].assign(
+            problem=tables["V_q-no-sync"]["problem"].map(names)
+        )
+
+
+def no_trough(results: Results) -> None:
+    frame = results["example-5"]["V_q-no-sync"]
+    early = frame["threshold"] < 0.556
+    smaller = early & (frame["problem"] == "condition-11")
+    larger = early & (frame["problem"] == "condition-12")
+    set_pf(frame, smaller, frame.loc[larger, "pf"].to_numpy())
+
+
+def clear_clearance(results: Results) -> None:
+    """No scatter, and the smaller deviation ahead where it should be, behind where it should be."""
+    for part in ("no-sync", "sync"):
+        frame = results["example-5"][f"C_r-{part}"]
+        first, second = (frame["problem"] == f"condition-{n}" for n in (19, 20))
+        pf = frame.loc[second, "pf"].to_numpy()
+        late = frame.loc[second, "threshold"].to_numpy() > 0.56
+        set_pf(frame, first, np.where(late, pf * 0.999, 1.0 - (1.0 - pf) * 0.999))
+        name = "C_r-scatter" if part == "no-sync" else "C_r-sync-scatter"
+        results["example-5"][name]["pf_std"] = 1e-18
+
+
+def clearance_matters(results: Results) -> None:
+    frame = results["example-5"]["C_r-no-sync"]
+    rows = (frame["problem"] == "condition-19") & (frame["threshold"] == 0.549)
+    set_pf(frame, rows, frame.loc[rows, "pf"] - 0.02)
+
+
+def clear_plateau(results: Results) -> None:
+    results["example-4"]["C_r-sync-scatter"]["pf_std"] = 0.0
+
+
+def gap_widens(results: Results) -> None:
+    frame = results["example-6"]["sync"]
+    rows = (frame["tau"] == frame["tau"].max()) & (frame["missions"] == "5")
+    set_pf(frame, rows, 0.9)
+
+
+def range_of_the_text(results: Results) -> None:
+    results["example-6"]["sync"]["threshold"] += 0.085
+
+
+def range_of_ours(results: Results) -> None:
+    results["example-6"]["sync"]["threshold"] -= 0.085
+
+
+def as_it_is(_: Results) -> None:
+    pass
+
+
+CASES: dict[str, tuple[Change, Change]] = {
+    "agreement": (perfect, one_row_off),
+    "errors": (perfect, one_row_off),
+    "sample sizes": (as_it_is, one_run_more),
+    "missions": (as_it_is, missions_cross),
+    "random missions": (as_it_is, planned_cross),
+    "tau": (as_it_is, tau_crosses),
+    "gain of tau": (as_it_is, gain_grows),
+    "T or tau": (as_it_is, tau_does_nothing),
+    "independence": (as_it_is, independence_helps),
+    "dispersion": (as_it_is, gap_is_small),
+    "means": (as_it_is, swapped("example-4", ["C_r-no-sync"])),
+    "means, climb": (as_it_is, swapped("example-4", ["b-sync"])),
+    "means, plateau": (as_it_is, swapped("example-4", ["k_d-sync"], late=True)),
+    "means, plateau, delta": (as_it_is, swapped("example-4", ["delta-sync"], late=True)),
+    "means, plateau, C_r": (clear_plateau, swapped("example-4", ["C_r-sync"], late=True)),
+    "deviations": (as_it_is, swapped("example-5", ["k_d-no-sync"])),
+    "deviations, pattern": (patterns_all_alike, no_trough),
+    "deviation of C_r": (as_it_is, clearance_matters),
+    "deviation of C_r, end": (clear_clearance, swapped("example-5", ["C_r-no-sync"])),
+    "deviations, tau": (as_it_is, swapped("example-5", ["delta-sync"])),
+    "deviation of C_r, tau": (clear_clearance, swapped("example-5", ["C_r-sync"])),
+    "closing gap": (as_it_is, gap_widens),
+    "range of T": (range_of_the_text, range_of_ours),
+}
+"""Claim -> what makes the committed results agree with it, and the contradiction."""
+
+
+def test_every_claim_has_a_case() -> None:
+    assert list(CASES) == list(CLAIMS)
+
+
+@pytest.mark.parametrize("key", CASES)
+def test_a_planted_contradiction_breaks_the_claim(key: str, committed: Results) -> None:
+    agree, contradict = CASES[key]
+    results = copy.deepcopy(committed)
+    agree(results)
+    before = judged(CLAIMS[key], results)
+    assert before.verdict == "holds", [finding.words for finding in before.findings]
+    contradict(results)
+    assert judged(CLAIMS[key], results).verdict == "does not hold"
+
+
+def test_simulation_alone_can_contradict_the_plateau(committed: Results) -> None:
+    results = copy.deepcopy(committed)
+    swapped("example-4", ["delta-plateau"])(results)
+    assert judged(CLAIMS["means, plateau, delta"], results).verdict == "does not hold"
+
+
+@pytest.mark.parametrize("table", ["C_r-no-sync", "k_d-check"])
+def test_simulation_alone_can_contradict_the_means(table: str, committed: Results) -> None:
+    """Curves and marks are judged apart: either one on the other side breaks the claim."""
+    results = copy.deepcopy(committed)
+    swapped("example-4", [table])(results)
+    assert judged(CLAIMS["means"], results).verdict == "does not hold"
+
+
+@pytest.mark.parametrize(
+    ("key", "study", "table"),
+    [
+        ("means, plateau, C_r", "example-4", "C_r-sync-scatter"),
+        ("deviation of C_r, end", "example-5", "C_r-scatter"),
+        ("deviation of C_r, tau", "example-5", "C_r-sync-scatter"),
+    ],
+)
+def test_scatter_as_large_as_the_effect_leaves_a_claim_open(
+    key: str, study: str, table: str, committed: Results
+) -> None:
+    results = copy.deepcopy(committed)
+    clear_plateau(results)
+    clear_clearance(results)
+    assert judged(CLAIMS[key], results).verdict == "holds"
+    results[study][table]["pf_std"] = 1.0
+    assert judged(CLAIMS[key], results).verdict == "cannot be judged"
+
+
+@pytest.mark.parametrize("key", CASES)
+def test_without_its_results_a_claim_cannot_be_judged(key: str, committed: Results) -> None:
+    study = next(iter(CLAIMS[key].needs))
+    results = {name: tables for name, tables in committed.items() if name != study}
+    found = judged(CLAIMS[key], results)
+    assert found.verdict == "cannot be judged"
+    assert f"no results of {study}/" in found.findings[0].words
+
+
+def test_claims_say_where_they_come_from_and_by_which_rule() -> None:
+    for claim in CLAIMS.values():
+        assert "ection" in claim.source or "Table" in claim.source
+        assert len(claim.statement) > 30
+        assert len(claim.rule) > 20
+        assert all(claim.needs.values())
