@@ -371,6 +371,30 @@ def test_every_text_has_enough_contrast(
     assert any(".lead" in one for one in js(driver, CONTRASTS)[1])
 
 
+AUDIT = """
+const done = arguments[arguments.length - 1];
+axe.run(document, {resultTypes: ['violations']}).then((found) => done(found.violations.map(
+  (one) => `${one.id}: ${one.help}: ${one.nodes[0].html.slice(0, 200)}`)));
+"""
+
+
+@pytest.mark.parametrize("width", [400, 1280])
+@pytest.mark.parametrize("name", ["comparison", "validation"])
+def test_an_audit_by_others_finds_no_barrier(
+    name: str, width: int, opened: Open, files: dict[str, Path]
+) -> None:
+    axe = pytest.importorskip("axe_core_python.base", reason="pip install -e '.[browser]'")
+    driver = opened(files[name])
+    resize(driver, width, 800)
+    driver.refresh()
+    driver.set_script_timeout(120)
+    js(driver, axe.AXE_SCRIPT)
+    assert driver.execute_async_script(AUDIT) == []
+    # the audit can fail
+    js(driver, "document.documentElement.removeAttribute('lang')")
+    assert any("html-has-lang" in one for one in driver.execute_async_script(AUDIT))
+
+
 @pytest.mark.parametrize("name", ["comparison", "eight methods", "validation"])
 def test_the_summary_fits_on_one_screen(name: str, opened: Open, files: dict[str, Path]) -> None:
     driver = opened(files[name])

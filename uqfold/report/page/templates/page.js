@@ -149,13 +149,16 @@
   }
 
   // Scrolling areas can be reached by keyboard.
-  for (const area of all(".scroll")) {
-    if (area.scrollWidth > area.clientWidth) {
+  const reach = () => {
+    for (const area of all(".scroll, .equation")) {
+      if (area.scrollWidth <= area.clientWidth) continue;
       area.tabIndex = 0;
-      area.setAttribute("role", "region");
-      area.setAttribute("aria-label", area.querySelector("caption").textContent);
+      area.setAttribute("role", "group");
+      area.setAttribute("aria-label", area.querySelector("caption")?.textContent ?? "Equation");
     }
-  }
+  };
+  reach();
+  addEventListener("resize", reach);
 
   // Charts: values under the pointer, or one after the other by the arrow keys.
   const NAMESPACE = "http://www.w3.org/2000/svg";
