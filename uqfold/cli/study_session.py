@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rich.console import Console
+
 from uqfold.cli.compare import (
     COMPILING,
     EXIT_FAILED,
@@ -143,7 +145,7 @@ def _run_one(study: Study, options: Options, invocation: Invocation) -> int:
     try:
         if not options.redraw:
             _make_results(study, folder, store if options.keep else None, invocation, options.quiet)
-        written = _draw(study, folder)
+        written = _draw(study, folder, Console(stderr=True, quiet=options.quiet))
     except KeyboardInterrupt:
         kept = (
             "finished jobs and model runs are kept; to go on from there"
@@ -170,8 +172,6 @@ def _make_results(
     study: Study, folder: Path, cache: Path | None, invocation: Invocation, quiet: bool
 ) -> None:
     """Run everything, and write tables and record."""
-    from rich.console import Console
-
     terminal = Console(stderr=True, quiet=quiet)
     runner = StudyRunner(study, cache)
     with notice_if_slow(COMPILING, terminal):
@@ -196,15 +196,18 @@ def _make_results(
             path.unlink()
 
 
-def _draw(study: Study, folder: Path) -> Path:
-    """Draw figures and write the report from the results in a folder."""
+def _draw(study: Study, folder: Path, terminal: Console) -> Path:
+    """Draw figures and write the report from results; a terminal is told which figure."""
     record = read_record(folder)
     if record.study != study.digest:
         raise ResultsError(
             f"the results are those of another {FILE_NAME}: run the study without --redraw"
         )
     results = read_tables(folder, study.columns)
-    shown, _ = write_exhibits(study, results, folder)
+    with terminal.status("drawing") as status:
+        shown, _ = write_exhibits(
+            study, results, folder, lambda name: status.update(f"drawing {name}")
+        )
     return write_page(study, record, results, shown, folder)
 
 
