@@ -12,7 +12,14 @@ from uqfold.evidence.runner import Validation, plant
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
 
-QUICK = {"example_2_tail", "mechanism_energy", "mechanism_limits", "openturns_form", "sample_sizes"}
+QUICK = {
+    "example_2_tail",
+    "mechanism_energy",
+    "mechanism_limits",
+    "openturns_form",
+    "paper_independence",
+    "sample_sizes",
+}
 """Cases whose faults take seconds; the others are slow."""
 
 

@@ -1,0 +1,15 @@
+"""Claims of the paper, judged by the studies; see `validation.paper`."""
+
+from uqfold.evidence import Measurement
+from uqfold.evidence.work import Work
+from validation.paper.claims import measure_claims
+
+CLAIMS = (
+    "agreement",
+    "errors",
+)
+
+
+def measure(work: Work) -> Measurement:
+    """Judge the claims; the tiers do not differ."""
+    return measure_claims(work, CLAIMS)
