@@ -246,7 +246,8 @@ QUESTION = Question(2, 0, 1, (Criterion(2.5), Criterion(4.0)))
 def test_view_states_index_error_and_shift() -> None:
     """Against many draws: the index under surfaces from the posterior, and under a shift."""
     rng = np.random.default_rng(2)
-    fitted = process(14)
+    # few points: the spread is then far larger than the scatter of counts among 400,000 draws
+    fitted = process(10)
     view = View.of(fitted, QUESTION, rng)
     u = rng.standard_normal((400_000, 2))
     from scipy.special import ndtri
@@ -258,10 +259,11 @@ def test_view_states_index_error_and_shift() -> None:
     assert view.shift[0] * 0.05 == pytest.approx(-moved, rel=0.1)
     some = u[np.abs(mean - 2.5) < 1.0]
     above = np.sum(mean >= 3.5)
-    paths = fitted.sample_paths(np.random.default_rng(3), 60)(some[:60_000])
-    scale = len(some) / 60_000
+    taken = some[:60_000]
+    paths = fitted.sample_paths(np.random.default_rng(3), 60)(taken)
+    scale = len(some) / len(taken)
     draws = -ndtri((above + scale * (paths > 2.5).sum(axis=1)) / len(u))
-    assert view.beta_std[0] == pytest.approx(draws.std(), rel=0.4)
+    assert view.beta_std[0] == pytest.approx(draws.std(), rel=0.3)
 
 
 def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
