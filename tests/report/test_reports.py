@@ -94,7 +94,12 @@ def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
     (path,) = uqfold.report.write_report(frame, tmp_path / "deep" / "report.html")
     root = read(path.read_text(encoding="utf-8"))
     assert "nodes_individual" in section(root, "methods").text
-    assert "Lugannani" in section(root, "references").text
+    references = [item.text for item in section(root, "references").all("li")]
+    assert references[1].startswith("Lugannani")
+    assert "References 1, 2, 3." in " ".join(section(root, "method-1").text.split())
+    # what both methods cite is listed once
+    assert len(references) == len(set(references)) == 5
+    assert "References 1, 4, 5." in " ".join(section(root, "method-2").text.split())
 
 
 def test_folder_records_and_frame_give_one_report(records: Records, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from uqfold.comparison.entries import MethodEntry, SystemEntry
 from uqfold.comparison.header import RunHeader
@@ -17,6 +17,7 @@ from uqfold.report.page.blocks import (
     Facts,
     Formula,
     Items,
+    Link,
     Listing,
     Paragraph,
     Row,
@@ -36,6 +37,8 @@ _POLICIES = {
 def methods_section(records: Records) -> Section:
     """Describe problem, question, every method with its settings, equations and references."""
     header = records.header
+    stated = dict.fromkeys(one for entry in header.methods for one in entry.theory.references)
+    cited = {reference: number for number, reference in enumerate(stated, start=1)}
     return Section(
         "methods",
         "Methods",
@@ -46,8 +49,8 @@ def methods_section(records: Records) -> Section:
             ),
             Section("problem", "Problem", tuple(_problem(header))),
             Section("question", "Question", tuple(_question(header))),
-            *(_method(entry, i) for i, entry in enumerate(header.methods)),
-            _references(header.methods),
+            *(_method(entry, i, cited) for i, entry in enumerate(header.methods)),
+            _references(cited),
         ),
     )
 
@@ -180,13 +183,16 @@ def _definition(system: SystemEntry | None, criteria: Criteria) -> Iterator[Bloc
         )
 
 
-def _method(entry: MethodEntry, index: int) -> Section:
+def _method(entry: MethodEntry, index: int, cited: Mapping[str, int]) -> Section:
     theory = entry.theory
     blocks: list[Block] = []
     if theory.summary:
         blocks.append(Paragraph(theory.summary))
     blocks += [Formula(one.lead, one.latex, one.source) for one in theory.equations]
     blocks.append(_settings(entry))
+    if theory.references:
+        numbers = ", ".join(str(cited[one]) for one in theory.references)
+        blocks.append(Paragraph([Link("References", "references"), f" {numbers}."], small=True))
     if not theory.summary and not theory.equations:
         blocks.append(Paragraph("The method states no equations.", small=True))
     title = f"{entry.label}: {entry.title}" if entry.title else entry.label
@@ -227,8 +233,7 @@ def parsed_settings(text: str) -> tuple[str, list[tuple[str, str]]] | None:
     return call.func.id, settings
 
 
-def _references(methods: Iterable[MethodEntry]) -> Section:
-    cited = dict.fromkeys(one for entry in methods for one in entry.theory.references)
+def _references(cited: Mapping[str, int]) -> Section:
     said: tuple[Block, ...] = (
         (Items(tuple(cited), numbered=True),) if cited else (Paragraph("None is stated."),)
     )

@@ -10,9 +10,6 @@ from uqfold.evidence.check import fingerprint
 from uqfold.evidence.record import CaseRecord, PlantedFault
 from uqfold.report.evidence_blocks import (
     VERDICT_TONES,
-    evidence_figure,
-    evidence_table,
-    findings_table,
 )
 from uqfold.report.page.blocks import (
     Block,
@@ -21,12 +18,9 @@ from uqfold.report.page.blocks import (
     Cell,
     Code,
     Column,
-    Details,
     Facts,
     Link,
-    Listing,
     Page,
-    Paragraph,
     Part,
     Row,
     Section,
@@ -35,13 +29,12 @@ from uqfold.report.page.blocks import (
     Tone,
     Words,
 )
+from uqfold.report.validation_case import case_anchor, case_section
 from uqfold.report.verdicts import reasons
 from uqfold.report.wording import seconds_text
 
 _NAMED = 3
 """Claims that do not hold which the first screen names one by one; a table has them all."""
-_UNFOLDED_ROWS = 12
-"""Longer tables are folded away."""
 
 
 def validation_page(records: Sequence[CaseRecord]) -> Page:
@@ -154,7 +147,7 @@ def _failing_card(records: Sequence[CaseRecord]) -> Card:
 
 
 def _linked(record: CaseRecord, why: str) -> list[Part]:
-    return [Link(record.title, _anchor(record)), f": {why}"]
+    return [Link(record.title, case_anchor(record)), f": {why}"]
 
 
 def _first_reason(record: CaseRecord) -> str:
@@ -173,7 +166,7 @@ def _failing_table(failing: Sequence[CaseRecord]) -> Table:
     rows = [
         Row(
             (
-                Cell([Link(record.title, _anchor(record))]),
+                Cell([Link(record.title, case_anchor(record))]),
                 Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
                 Cell("; ".join(reasons(record))),
             )
@@ -232,7 +225,7 @@ def _cases_table(records: Sequence[CaseRecord]) -> Table:
         rows.append(
             Row(
                 (
-                    Cell([Link(record.title, _anchor(record))]),
+                    Cell([Link(record.title, case_anchor(record))]),
                     Cell(record.topic),
                     Cell(record.kind),
                     Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
@@ -249,102 +242,11 @@ def _cases_table(records: Sequence[CaseRecord]) -> Table:
 
 def _topic(topic: str, records: Sequence[CaseRecord], index: int) -> Section:
     title = topic[:1].upper() + topic[1:]
-    return Section(_topic_anchor(index), title, tuple(_case(record) for record in records))
+    return Section(_topic_anchor(index), title, tuple(case_section(record) for record in records))
 
 
 def _topic_anchor(index: int) -> str:
     return f"topic-{index + 1}"
-
-
-def _anchor(record: CaseRecord) -> str:
-    return f"case-{record.name}"
-
-
-def _case(record: CaseRecord) -> Section:
-    return Section(
-        _anchor(record),
-        record.title,
-        tuple(_case_blocks(record)),
-        record.verdict,
-        VERDICT_TONES[record.verdict],
-    )
-
-
-def _case_blocks(record: CaseRecord) -> Iterator[Block]:
-    yield Paragraph([Strong(record.claim)])
-    if record.error:
-        yield Paragraph([Strong("No measurement: ", "bad"), record.error])
-    yield Facts(
-        (
-            ("kind", record.kind),
-            ("compared with", record.compared_with),
-            ("its uncertainty", record.uncertainty),
-            ("its source", record.source),
-            ("tolerance", record.tolerance),
-            ("verdict rule", record.verdict_rule),
-        )
-    )
-    if record.findings:
-        yield findings_table(record.findings, f"Findings: {record.title}")
-    stored = record.stored
-    if stored is not None:
-        yield from _stored(record)
-    for figure in record.measurement.figures:
-        yield evidence_figure(figure, record.name)
-    for table in record.measurement.tables:
-        shown = evidence_table(table)
-        if len(table.rows) > _UNFOLDED_ROWS:
-            yield Details(f"{table.title} ({len(table.rows)} rows)", (shown,))
-        else:
-            yield shown
-    if record.faults:
-        yield _faults_table(record)
-    yield Details("How it was measured", tuple(_provenance(record)))
-
-
-def _stored(record: CaseRecord) -> Iterator[Block]:
-    stored = record.stored
-    assert stored is not None
-    state = (
-        "with the same code, so they count too"
-        if stored.current
-        else f"with other code ({', '.join(stored.changed)}), so they are only quoted"
-    )
-    said = f"The full tier, measured {stored.date[:10]} in {seconds_text(stored.seconds)} {state}:"
-    yield Paragraph(said)
-    yield findings_table(stored.findings, f"Findings of the full tier: {record.title}")
-
-
-def _faults_table(record: CaseRecord) -> Table:
-    rows = []
-    for fault in record.faults:
-        noticed = Cell("not planted in this run", tone="quiet")
-        if fault.verdict is not None:
-            caught = bool(fault.caught)
-            noticed = Cell(f"{'noticed' if caught else 'unnoticed'}: {fault.verdict}",
-                           tone="good" if caught else "bad")  # fmt: skip
-        rows.append(Row((Cell(fault.name), Cell(fault.what), noticed)))
-    columns = (Column("planted fault"), Column("what is made wrong"), Column("noticed"))
-    return Table("Faults planted to see whether the case can fail", columns, tuple(rows),
-                 tools=False)  # fmt: skip
-
-
-def _provenance(record: CaseRecord) -> Iterator[Block]:
-    yield Listing(record.command)
-    versions = ", ".join(f"{name} {version}" for name, version in record.versions.items())
-    seeds = ", ".join(map(str, record.seeds))
-    facts: list[tuple[str, Words]] = [
-        ("case", [Code(record.name)]),
-        ("tier", record.tier),
-        ("seeds", seeds or "nothing is random"),
-        ("measured", f"{record.date}, in {seconds_text(record.seconds)}"),
-        ("machine", record.machine),
-        ("versions", versions),
-    ]
-    if record.code:
-        code = ", ".join(f"{part} {digest[:12]}" for part, digest in record.code.items())
-        facts.append(("code, with digests", code))
-    yield Facts(tuple(facts))
 
 
 def _reading() -> Section:

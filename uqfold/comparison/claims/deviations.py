@@ -8,7 +8,7 @@ import numpy as np
 
 from uqfold.comparison.claims.claim import PaperClaim, StudyResults
 from uqfold.comparison.claims.curves import NO_TAU, STANDARD_ERRORS, advantage, of_problem
-from uqfold.comparison.claims.scatter import scatter_of_gain
+from uqfold.comparison.claims.scatter import beyond_scatter, scatter_of_gain
 from uqfold.comparison.findings import Finding
 
 if TYPE_CHECKING:
@@ -91,16 +91,8 @@ def clearance_at_the_end(results: StudyResults) -> list[Finding]:
     for threshold in sorted(scatter["threshold"].unique())[-3:]:
         noise = scatter_of_gain(scatter, *CLEARANCE, threshold)
         own = gains[(gains["threshold"] == threshold) & gains["missions"].isin(_missions(scatter))]
-        findings.append(
-            Finding(
-                f"smallest gain of R by the smaller deviation at T = {threshold:g} s",
-                float(own["gain"].min()),
-                0.0,
-                at_least=True,
-                uncertainty=2.0 * noise,
-                remark=f"scatter of the model {noise:.1g} (one standard deviation)",
-            )
-        )
+        what = f"smallest gain of R by the smaller deviation at T = {threshold:g} s"
+        findings.append(beyond_scatter(what, float(own["gain"].min()), noise))
     return findings
 
 
@@ -121,16 +113,8 @@ def clearance_with_tau(results: StudyResults) -> list[Finding]:
         for tau in sorted(scatter["tau"].unique()):
             noise = scatter_of_gain(scatter, *CLEARANCE, threshold, tau)
             own = gains[(gains["threshold"] == threshold) & (gains["tau"] == tau)]
-            findings.append(
-                Finding(
-                    f"{words} of the smaller deviation at T = {threshold:g} s, tau = {tau:g} s",
-                    float((sign * own["gain"]).min()),
-                    0.0,
-                    at_least=True,
-                    uncertainty=2.0 * noise,
-                    remark=f"scatter of the model {noise:.1g} (one standard deviation)",
-                )
-            )
+            what = f"{words} of the smaller deviation at T = {threshold:g} s, tau = {tau:g} s"
+            findings.append(beyond_scatter(what, float((sign * own["gain"]).min()), noise))
     return findings
 
 

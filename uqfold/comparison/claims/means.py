@@ -14,7 +14,7 @@ from uqfold.comparison.claims.curves import (
     contradictions,
     of_problem,
 )
-from uqfold.comparison.claims.scatter import scatter_of_gain
+from uqfold.comparison.claims.scatter import beyond_scatter, scatter_of_gain
 from uqfold.comparison.findings import Finding
 
 if TYPE_CHECKING:
@@ -127,16 +127,8 @@ def clearance_on_the_plateau(results: StudyResults) -> list[Finding]:
     findings = []
     for row in last[last["tau"].isin(scatter["tau"].unique())].to_dict("records"):
         noise = scatter_of_gain(scatter, better, worse, row["threshold"], row["tau"])
-        findings.append(
-            Finding(
-                f"gain of R at T = {row['threshold']:g} s, tau = {row['tau']:g} s",
-                float(row["gain"]),
-                0.0,
-                at_least=True,
-                uncertainty=2.0 * noise,
-                remark=f"scatter of the model {noise:.1g} (one standard deviation)",
-            )
-        )
+        what = f"gain of R at T = {row['threshold']:g} s, tau = {row['tau']:g} s"
+        findings.append(beyond_scatter(what, float(row["gain"]), noise))
     return findings
 
 

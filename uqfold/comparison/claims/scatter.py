@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from uqfold.comparison.findings import Finding
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -43,3 +45,15 @@ def scatter_of_gain(
     if one.empty or other.empty:
         raise ValueError(f"no scatter of {first} and {second} at T = {threshold:g}, tau = {tau}")
     return float(np.hypot(one, other[one.index]).max())
+
+
+def beyond_scatter(what: str, gain: float, noise: float) -> Finding:
+    """Find whether a gain is positive; within twice the scatter it cannot be judged."""
+    return Finding(
+        what,
+        gain,
+        0.0,
+        at_least=True,
+        uncertainty=2.0 * noise,
+        remark=f"scatter of the model {noise:.1g} (one standard deviation)",
+    )

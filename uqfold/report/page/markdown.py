@@ -77,8 +77,8 @@ class _Writer:
             case Paragraph():
                 yield _words(block.words)
             case Items():
-                mark = "1." if block.numbered else "-"
-                yield from (f"{mark} {_words(item)}" for item in block.items)
+                for number, item in enumerate(block.items, start=1):
+                    yield f"{f'{number}.' if block.numbered else '-'} {_words(item)}"
             case Cards():
                 for card in block.cards:
                     yield f"- {_words(card.title)} **{_words(card.answer)}**"

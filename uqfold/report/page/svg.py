@@ -9,51 +9,16 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from uqfold.report.page.chart import DASHED, Axis, Band, Chart, Mark, Point, Series, Strip
+from uqfold.report.page.frame import BOTTOM, RIGHT, Frame, frame_of, split_power
 from uqfold.report.page.markers import marker_path
-from uqfold.report.page.scales import Line, line_around, tick_texts
+from uqfold.report.page.scales import Line, tick_texts
 
 NAMESPACE = "http://www.w3.org/2000/svg"
-WIDTH, HEIGHT = 480.0, 300.0
-WIDTH_ALONE, HEIGHT_ALONE = 580.0, 340.0
-ROW_HEIGHT = 28.0
-TOP, BOTTOM, RIGHT = 26.0, 44.0, 14.0
-CHARACTER = 6.6
-"""Width of a digit at the size of tick labels."""
 
 ColorClass = Callable[[str], str]
 """Gives the class of a colour in the style sheet."""
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """Where a chart lies in its picture: edges of the plot, and the two scales."""
-
-    left: float
-    right: float
-    top: float
-    bottom: float
-    x: Line
-    y: Line
-
-    def at_x(self, value: float) -> float:
-        return self.left + self.x.place(value) * (self.right - self.left)
-
-    def at_y(self, value: float) -> float:
-        return self.bottom - self.y.place(value) * (self.bottom - self.top)
-
-    def spread(self, side: str, low: float, high: float) -> tuple[float, float]:
-        """Places of two values along an axis, cut off just outside the plot."""
-        scale = self.x if side == "x" else self.y
-        cut = [
-            min(max(-0.05 if math.isnan(place) else place, -0.05), 1.05)
-            for place in (scale.place(low), scale.place(high))
-        ]
-        if side == "x":
-            return tuple(self.left + place * (self.right - self.left) for place in cut)  # type: ignore[return-value]
-        return tuple(self.bottom - place * (self.bottom - self.top) for place in cut)  # type: ignore[return-value]
 
 
 def draw_chart(
@@ -72,9 +37,8 @@ def draw_chart(
     alone
         Whether it has the width of the page to itself.
     """
-    width = WIDTH_ALONE if alone else WIDTH
-    frame = _frame(chart, width, HEIGHT_ALONE if alone else HEIGHT)
-    height = frame.bottom + BOTTOM
+    frame = frame_of(chart, alone=alone)
+    width, height = frame.right + RIGHT, frame.bottom + BOTTOM
     svg = ET.Element(
         "svg",
         {
@@ -160,55 +124,7 @@ def description(chart: Chart) -> str:
     return ". ".join(said) + "."
 
 
-def _frame(chart: Chart, width: float, full_height: float) -> _Frame:
-    x, y = _lines(chart)
-    if chart.y.categories:
-        labels = list(chart.y.categories)
-        # numbers are narrower than words on average
-        height = ROW_HEIGHT * len(labels)
-    else:
-        labels = tick_texts(y.ticks(), percent=chart.y.percent)
-        height = full_height - TOP - BOTTOM
-    longest = max(map(_label_width, labels), default=0.0)
-    left = min(max(longest + 14.0, 30.0), 0.4 * width)
-    return _Frame(left, width - RIGHT, TOP, TOP + height, x, y)
-
-
-def _label_width(label: str) -> float:
-    power = _split_power(label)
-    return CHARACTER * len(label) if power is None else CHARACTER * (len(power[0]) + 3.2)
-
-
-def _lines(chart: Chart) -> tuple[Line, Line]:
-    """Find the two scales."""
-    points = list(chart.points())
-    bars = [bar for point in points for bar in (point.low, point.high)]
-    banded = [
-        bar for one in chart.series if one.band for p in one.points for bar in (p.low, p.high)
-    ]
-    horizontal = [point.x for point in points] + [m.at for m in chart.marks if m.side == "x"]
-    vertical = [point.y for point in points] + [m.at for m in chart.marks if m.side == "y"]
-    if chart.bars == "x":
-        horizontal += bars
-    else:
-        vertical += bars if chart.y.scale == "linear" else banded
-    x = line_around(horizontal, chart.x.scale)
-    if chart.y.categories:
-        # the first category is on top
-        return x, _Reversed(-0.5, len(chart.y.categories) - 0.5)
-    if chart.limits is not None:
-        return x, Line(*chart.limits, chart.y.scale)
-    return x, line_around(vertical, chart.y.scale)
-
-
-class _Reversed(Line):
-    """A linear scale with its low end on top."""
-
-    def place(self, value: float) -> float:
-        return 1.0 - super().place(value)
-
-
-def _draw_axes(svg: ET.Element, frame: _Frame, chart: Chart) -> None:
+def _draw_axes(svg: ET.Element, frame: Frame, chart: Chart) -> None:
     grid = ET.SubElement(svg, "g", {"class": "grid"})
     texts = ET.SubElement(svg, "g", {"class": "axis", "aria-hidden": "true"})
     for value, label in _ticks(frame.x, chart.x):
@@ -242,7 +158,7 @@ def _text(
 ) -> ET.Element:
     attributes = {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor}
     element = ET.SubElement(parent, "text", {**attributes, **({"class": style} if style else {})})
-    power = _split_power(text)
+    power = split_power(text)
     if power is None or style:
         element.text = text
     else:
@@ -254,17 +170,7 @@ def _text(
     return element
 
 
-def _split_power(text: str) -> tuple[str, str, str] | None:
-    """Give ``1e-3`` as ``10``, ``−3`` and what follows; None if it is no such number."""
-    mantissa, e, rest = text.partition("e")
-    exponent, _, after = rest.partition(" ")
-    if not e or not exponent.lstrip("-").isdecimal():
-        return None
-    base = "10" if mantissa == "1" else f"{mantissa}·10"
-    return base, exponent.replace("-", "−"), f" {after}" if after else ""
-
-
-def _draw_band(svg: ET.Element, frame: _Frame, band: Band) -> None:
+def _draw_band(svg: ET.Element, frame: Frame, band: Band) -> None:
     first, last = sorted(frame.spread(band.side, band.low, band.high))
     style = {"class": "stripe faint" if band.faint else "stripe"}
     if band.side == "x":
@@ -280,7 +186,7 @@ def _rectangle(x1: float, y1: float, x2: float, y2: float) -> dict[str, str]:
     return {"x": f"{x1:.1f}", "y": f"{y1:.1f}", "width": f"{width:.1f}", "height": f"{height:.1f}"}
 
 
-def _draw_mark(parent: ET.Element, frame: _Frame, mark: Mark) -> None:
+def _draw_mark(parent: ET.Element, frame: Frame, mark: Mark) -> None:
     group = ET.SubElement(parent, "g", {"class": "mark"})
     if mark.side == "x":
         x = frame.at_x(mark.at)
@@ -293,7 +199,7 @@ def _draw_mark(parent: ET.Element, frame: _Frame, mark: Mark) -> None:
 
 
 def _draw_series(
-    parent: ET.Element, frame: _Frame, series: Series, bars: str, color_class: ColorClass
+    parent: ET.Element, frame: Frame, series: Series, bars: str, color_class: ColorClass
 ) -> None:
     style = "series dashed" if series.dashed else "series"
     group = ET.SubElement(
@@ -345,7 +251,7 @@ def _runs(points: tuple[Point, ...]) -> Iterator[list[Point]]:
         yield run
 
 
-def _draw_area(group: ET.Element, frame: _Frame, series: Series) -> None:
+def _draw_area(group: ET.Element, frame: Frame, series: Series) -> None:
     known = [p for p in series.points if math.isfinite(p.low) and math.isfinite(p.high)]
     if not known:
         return
@@ -356,7 +262,7 @@ def _draw_area(group: ET.Element, frame: _Frame, series: Series) -> None:
     ET.SubElement(group, "path", {"class": "area", "d": path})
 
 
-def _draw_bar(group: ET.Element, frame: _Frame, point: Point, bars: str) -> None:
+def _draw_bar(group: ET.Element, frame: Frame, point: Point, bars: str) -> None:
     """Draw the error bar of a point, or the arrow of an upper bound without a point."""
     if math.isnan(point.high):
         return

@@ -134,6 +134,7 @@ def _draw_curves(axes: Axes, pair: _Pair, *, as_pf: bool) -> None:
 def _draw_differences(axes: Axes, pair: _Pair) -> None:
     """Draw reliability of the first condition less that of the second."""
     axes.axhline(0.0, color="black", linewidth=0.6)
+    drawn = [0.0]
     for value, style in pair.styles[0].items():
         for check in (False, True):
             first, second = (
@@ -150,13 +151,13 @@ def _draw_differences(axes: Axes, pair: _Pair) -> None:
                 error = np.hypot(first["std_error"][common], second["std_error"][common])
                 draw_marks(axes, common, difference, NORMAL_95 * error.to_numpy(), look)
             else:
+                drawn += difference.tolist()
                 axes.plot(
                     common, difference, color=style.color, marker=style.marker,
                     markersize=2.6, linewidth=0.9,
                 )  # fmt: skip
     # long bars are cut off: they must not flatten the curves
-    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
-    low, high = float(drawn.min()), float(drawn.max())
+    low, high = min(drawn), max(drawn)
     margin = max(0.15 * (high - low), 1e-4)
     axes.set_ylim(low - margin, high + margin)
 
