@@ -80,8 +80,11 @@ def write_report(
 
     Examples
     --------
-    >>> frame = uqfold.compare(uqfold.problems.series(), "ffni-spa")  # doctest: +SKIP
-    >>> uqfold.report.write_report(frame, "report.html")  # doctest: +SKIP
+    >>> import tempfile, uqfold
+    >>> frame = uqfold.compare(uqfold.problems.series(), "ffni-spa", uqfold.criteria(2.0))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in uqfold.report.write_report(frame, f"{folder}/report.html")]
+    ['report.html']
     """
     return write_page(report_page(source), path, format)
 

@@ -34,7 +34,9 @@ from uqfold.report.verdicts import reasons
 from uqfold.report.wording import seconds_text
 
 _NAMED = 3
-"""Claims that do not hold which the first screen names one by one; a table has them all."""
+"""Claims that do not hold which the first screen names in a card; more of them get a table."""
+_LISTED = 6
+"""Rows of that table."""
 
 
 def validation_page(records: Sequence[CaseRecord]) -> Page:
@@ -66,7 +68,9 @@ def validation_page(records: Sequence[CaseRecord]) -> Page:
         f"reason, and a verdict. Measured {when}, {how}, in {_total_time(records)}.",
         summary=tuple(_summary(records, topics)),
         sections=(
-            Section("cases", "All cases", (_cases_table(records),)),
+            Section("cases", "All cases", (_topics_table(topics), _cases_table(records)))
+            if sum(map(fails, records)) > _NAMED
+            else Section("cases", "All cases", (_cases_table(records),)),
             *(_topic(topic, own, i) for i, (topic, own) in enumerate(topics.items())),
             _reading(),
         ),
@@ -88,8 +92,11 @@ def _summary(records: Sequence[CaseRecord], topics: dict[str, list[CaseRecord]])
     yield Cards((_checked_card(records), _verdict_card(records), _failing_card(records)))
     failing = [record for record in records if fails(record)]
     if len(failing) > _NAMED:
-        yield _failing_table(failing)
-    yield _topics_table(topics)
+        yield _failing_table(failing[:_LISTED])
+        if len(failing) > _LISTED:
+            yield Paragraph(f"and {len(failing) - _LISTED} more, in the table of all cases.")
+    else:
+        yield _topics_table(topics)
 
 
 def _checked_card(records: Sequence[CaseRecord]) -> Card:
@@ -156,6 +163,11 @@ def _first_reason(record: CaseRecord) -> str:
     return found[0].replace(" - does not hold", "") if found else "nothing in it has a limit"
 
 
+def _shortest(record: CaseRecord) -> str:
+    others = len(reasons(record)) - 1
+    return _first_reason(record) + (f"; and {others} more" if others > 0 else "")
+
+
 def fails(record: CaseRecord) -> bool:
     """Whether a case does not hold, was not measured, or missed a planted fault."""
     broken = record.verdict == "does not hold"
@@ -168,7 +180,7 @@ def _failing_table(failing: Sequence[CaseRecord]) -> Table:
             (
                 Cell([Link(record.title, case_anchor(record))]),
                 Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
-                Cell("; ".join(reasons(record))),
+                Cell(_shortest(record)),
             )
         )
         for record in failing
