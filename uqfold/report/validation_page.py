@@ -21,6 +21,7 @@ from uqfold.report.page.blocks import (
     Facts,
     Link,
     Page,
+    Paragraph,
     Part,
     Row,
     Section,
