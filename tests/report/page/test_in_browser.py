@@ -14,6 +14,7 @@ from tests.comparison.fakes import METHODS, Told, toy_records
 from tests.evidence.records import full_record
 from tests.report.page.test_html import page as page_of_everything
 from uqfold.comparison import Records
+from uqfold.evidence import Finding, Measurement
 from uqfold.problems.criterion import criteria
 from uqfold.report import write_report
 from uqfold.report.page import write_page
@@ -34,7 +35,15 @@ def files(records: Records, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     cases = [full_record(), full_record(name="other", title="Another case")]
     many = {f"told-{i}": Told(n=50 * 3**i, bias=0.3 * (-0.5) ** i) for i in range(7)}
     eight = toy_records(criteria([11.0, 12.0, 13.0]), {**many, "broken": METHODS["broken"]})
+    broken = Measurement.of([Finding("largest difference", 3e-5, 2e-6, "s", remark="far off")] * 3)
+    failing = [
+        full_record(
+            name=f"case_{i}", title=f"A case of some length, number {i}", measurement=broken
+        )
+        for i in range(9)
+    ]
     written = {
+        "much fails": write_report(failing, folder / "failing.html"),
         "eight methods": write_report(eight, folder / "eight.html"),
         "comparison": write_report(records, folder / "comparison.html"),
         "validation": write_report(cases, folder / "validation.html"),
@@ -395,7 +404,7 @@ def test_an_audit_by_others_finds_no_barrier(
     assert any("html-has-lang" in one for one in driver.execute_async_script(AUDIT))
 
 
-@pytest.mark.parametrize("name", ["comparison", "eight methods", "validation"])
+@pytest.mark.parametrize("name", ["comparison", "eight methods", "validation", "much fails"])
 def test_the_summary_fits_on_one_screen(name: str, opened: Open, files: dict[str, Path]) -> None:
     driver = opened(files[name])
     resize(driver, 1280, 800)
