@@ -81,6 +81,22 @@ def test_check_measures_nothing(
     assert "1 cases: records, code and claims belong together" in capsys.readouterr().err
 
 
+def test_only_what_is_stale_is_measured(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--quick", "--faults", "--update", "--stale", "--cases", three, "--out", tmp_path)
+    assert run("a", "b", *words) == 0
+    assert "2 of 2 cases have no current record of the quick tier" in capsys.readouterr().err
+    (three / "b" / "measure.py").write_text(MEASURE + "\n")
+    assert run("a", "b", *words) == 0
+    said = capsys.readouterr()
+    assert "1 of 2 cases have no current record" in said.err
+    assert "1 cases: 1 holds" in said.out
+    with pytest.raises(SystemExit):
+        main(["validate", "a", "b", *map(str, words)])
+    assert "0 of 2 cases have no current record" in capsys.readouterr().err
+
+
 def test_cases_are_listed(three: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["validate", "--list", "--cases", str(three)])
@@ -105,8 +121,9 @@ def test_an_interruption_keeps_what_is_finished(
     [
         (["d"], "no validation case is named 'd'"),
         (["--quick", "--full"], "give one of them"),
-        (["--gate"], "add --quick or --full"),
-        (["--update"], "add --quick or --full"),
+        (["--gate"], "add --quick or"),
+        (["--update"], "add --quick or"),
+        (["--stale"], "add --quick or"),
         (["--cases", "nowhere"], "nowhere holds no validation cases"),
     ],
 )

@@ -67,6 +67,13 @@ def validate_cases(
         bool,
         typer.Option("--update", help="Replace the records kept beside the cases."),
     ] = False,
+    stale: Annotated[
+        bool,
+        typer.Option(
+            "--stale",
+            help="Only cases whose kept record is missing, or was measured with other code.",
+        ),
+    ] = False,
     check: Annotated[
         bool,
         typer.Option(
@@ -85,9 +92,10 @@ def validate_cases(
 
     if quick and full:
         raise typer.BadParameter("--quick and --full: give one of them")
-    if (gate or update) and not (quick or full):
+    if (gate or update or stale) and not (quick or full):
         raise typer.BadParameter(
-            "--gate and --update are for the tiers whose records are kept: add --quick or --full"
+            "--gate, --update and --stale are for the tiers whose records are kept: add --quick or "
+            "--full"
         )
     found = usage(find_cases, cases or session.default_cases(), names or ())
     if show:
@@ -96,6 +104,10 @@ def validate_cases(
     if check:
         raise typer.Exit(session.check_cases(found))
     tier: Tier = "quick" if quick else "full" if full else "default"
+    if stale:
+        found = session.stale_cases(found, tier)
+        if not found:
+            return
     name = "validation" if tier == "default" else f"validation-{tier}"
     invocation: Invocation = context.obj
     measuring = session.ValidationSession(

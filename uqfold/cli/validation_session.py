@@ -150,6 +150,13 @@ def print_cases(cases: Sequence[Case]) -> None:
         out.print(text)
 
 
+def stale_cases(cases: Sequence[Case], tier: Tier) -> list[Case]:
+    """Give the cases whose kept record does not belong to them or to the code, and say how many."""
+    stale = [case for case in cases if discrepancies(case, [tier])]
+    _say(f"{len(stale)} of {len(cases)} cases have no current record of the {tier} tier")
+    return stale
+
+
 def check_cases(cases: Sequence[Case]) -> int:
     """Say whether cases, kept records and code belong together; give the exit code."""
     found = {case.name: discrepancies(case) for case in cases}

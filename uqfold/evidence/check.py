@@ -13,15 +13,15 @@ from uqfold.evidence.record import CaseRecord
 from uqfold.evidence.record_file import RecordError, read_case_record, to_document
 from uqfold.evidence.runner import command, declared
 
-KEPT_TIERS = ("quick", "full")
+KEPT_TIERS = "quick", "full"
 """Tiers whose records are kept beside the cases: the gate compares with the first, and shorter
 tiers quote the second."""
 
 
-def discrepancies(case: Case) -> list[str]:
+def discrepancies(case: Case, tiers: Sequence[str] = KEPT_TIERS) -> list[str]:
     """Say where the records that lie beside a case do not belong to it or to the code."""
     code = code_digests(case.folder, case.data)
-    return [line for tier in KEPT_TIERS for line in _record_discrepancies(case, tier, code)]
+    return [line for tier in tiers for line in _record_discrepancies(case, tier, code)]
 
 
 def fingerprint(records: Iterable[CaseRecord]) -> str:
