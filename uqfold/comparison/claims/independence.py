@@ -80,8 +80,8 @@ def _largest(gap: pd.DataFrame) -> str:
 
 CONSERVATIVE = PaperClaim(
     "independence",
-    "Taking the wings for independent is conservative; the gap shrinks as T rises, and grows with "
-    "the number of wings.",
+    "Taking the wings for independent is conservative; on the upper part of the curves the gap "
+    "shrinks as T rises, and grows with the number of wings.",
     "Section 4.3, Fig. 15(h); section 4.6, Fig. 18(c); conclusion 4",
     "R less R of independent wings is never negative; where R of the largest system is at least "
     f"{UPPER:g}, it never grows from one T to the next and never shrinks from one n to the next",

@@ -109,25 +109,21 @@ def scatter(settings: Mapping[str, Any], context: StepContext) -> pd.DataFrame:
     grid = criteria(settings["thresholds"], settings["tau"], settings["missions"])
     rows = []
     for name in settings["problem"]:
-        problem, evaluator = context.problems[name], context.evaluator(name)
+        problem = context.problems[name]
         if settings["input"] not in problem.inputs.names:
             raise ValueError(
                 f"analysis scatter: {name!r} has no input {settings['input']!r}, only "
                 f"{', '.join(problem.inputs.names)}"
             )
         column = problem.inputs.names.index(settings["input"])
-        # nobody asks for these runs again
-        unstored = replace(evaluator, store=None)
-        plain = method.estimate(problem, grid, rng=0, evaluator=evaluator).pf
+        plain = method.estimate(problem, grid, rng=0, evaluator=context.evaluator(name)).pf
         for relative in settings["relative"]:
-            found = np.array(
-                [
-                    method.estimate(
-                        _nudged(problem, column, relative, seed), grid, rng=0, evaluator=unstored
-                    ).pf
-                    for seed in range(repeats)
-                ]
-            )
+            found = np.empty((repeats, len(grid)))
+            for seed in range(repeats):
+                # an evaluator each, so that all runs are counted; nobody asks for these runs again
+                unstored = replace(context.evaluator(name), store=None)
+                nudged = _nudged(problem, column, relative, seed)
+                found[seed] = method.estimate(nudged, grid, rng=0, evaluator=unstored).pf
             for i, criterion in enumerate(grid):
                 pf = found[:, i]
                 rows.append(
