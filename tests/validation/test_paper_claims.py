@@ -7,8 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from uqfold.comparison.claims import CLAIMS
-from validation.paper.claims import FAULTS
+from uqfold.cli.study_claims import read_studies
+from uqfold.comparison.claims import CLAIMS, judged
+from validation.paper.claims import FAULTS, STUDIES, read_results
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 
@@ -20,6 +21,13 @@ def test_every_claim_belongs_to_one_case() -> None:
     )
     # numbers of runs are counted anew by a case of their own
     assert listed == Counter(set(CLAIMS) - {"sample sizes"})
+
+
+def test_results_are_those_that_the_studies_read() -> None:
+    own, studies = read_results(), read_studies(STUDIES)
+    for claim in CLAIMS.values():
+        ours, theirs = judged(claim, own).findings, judged(claim, studies).findings
+        assert [one.words for one in ours] == [one.words for one in theirs]
 
 
 def test_contradictions_and_remedies_change_what_they_say() -> None:

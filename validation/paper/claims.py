@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.cli.study_claims import read_studies
 from uqfold.comparison.claims import CLAIMS, judged
 from uqfold.comparison.claims.deviations import SMALLER
 from uqfold.evidence import Measurement, Table
@@ -27,9 +26,20 @@ if TYPE_CHECKING:
 STUDIES = Path(__file__).resolve().parents[2] / "studies"
 
 
+TEXTS = ("problem", "label", "missions", "status", "message")
+"""Columns that are texts, whatever they look like."""
+
+
 @cache
-def _results(root: Path) -> Any:
-    return read_studies(root)
+def read_results(root: Path = STUDIES) -> dict[str, dict[str, pd.DataFrame]]:
+    """Read study -> table -> rows from the CSV files of all studies."""
+    import pandas as pd
+
+    results: dict[str, dict[str, pd.DataFrame]] = {}
+    for path in sorted(root.glob("*/results/*.csv")):
+        rows = pd.read_csv(path, dtype=dict.fromkeys(TEXTS, str))
+        results.setdefault(path.parent.parent.name, {})[path.stem] = rows
+    return results
 
 
 def measure_claims(work: Work, keys: Sequence[str]) -> Measurement:
@@ -42,7 +52,7 @@ def measure_claims(work: Work, keys: Sequence[str]) -> Measurement:
     keys
         Keys of the claims.
     """
-    results = _results(STUDIES)
+    results: Any = read_results()
     if work.fault is not None:
         change = FAULTS[work.fault]
         results = {
