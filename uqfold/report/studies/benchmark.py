@@ -88,7 +88,9 @@ def draw_budgets(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]
 def _draw(axes: Axes, rows: pd.DataFrame, styles: Mapping[str, MethodStyle]) -> None:
     axes.set(xscale="log", yscale="log", xlim=(20, 20_000), ylim=(_SMALLEST, _LARGEST))
     axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("000", "k"))
+    axes.xaxis.set_major_formatter(
+        lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
+    )
     line = rows.sort_values("n_evals")
     axes.plot(line["n_evals"], line["monte_carlo_rms"], **EXPECTED)
     for name, look in styles.items():
