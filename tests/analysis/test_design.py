@@ -236,3 +236,12 @@ def test_refusals() -> None:
         design_input(problem, Criterion(1.0), 0.1, "U", (-1.0, 1.0), moment="standard deviation")
     with pytest.raises(ValueError, match="points = 2"):
         design_threshold(problem, 0.1, (1.0, 2.0), points=2)
+
+
+def test_interval_between_the_values_follows_the_logarithm_of_pf() -> None:
+    values = np.array([0.0, 1.0])
+    pf = np.array([1e-1, 1e-5])
+    scan = Scan(values, pf, pf / 2.0, pf * 2.0, ("", ""))
+    assert scan.interval(0.5) == pytest.approx((5e-4, 2e-3))
+    nothing = np.full(2, math.nan)
+    assert Scan(values, pf, nothing, nothing, ("", "")).interval(0.5) == pytest.approx((1e-3, 1e-3))

@@ -69,7 +69,9 @@ class Scan:
         known = np.isfinite(self.low) & np.isfinite(self.high)
         if known.sum() < 2:
             bounds, known = [self.pf, self.pf], np.isfinite(self.pf)
-        low, high = (float(np.interp(value, self.values[known], one[known])) for one in bounds)
+        # pf bends strongly between values, its logarithm hardly
+        logs = [np.log(np.maximum(one[known], 1e-300)) for one in bounds]
+        low, high = (float(np.exp(np.interp(value, self.values[known], one))) for one in logs)
         return low, high
 
 
