@@ -32,7 +32,7 @@ Examples:
   uqfold study run studies/example-1
   uqfold study run studies/example-1 --redraw
   uqfold study run studies/example-1 --quick --out try
-  uqfold study run my-study --store /tmp/my-runs
+  uqfold study run my-study --store my-runs
 """
 
 _LIST_HELP = """List the studies in a folder, what they ask, and the state of their results.
