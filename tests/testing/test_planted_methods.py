@@ -2,12 +2,18 @@
 
 import pytest
 
-from tests.testing.planted import PLANTED, Honest
+from tests.testing.planted import PLANTED, Honest, OverConfidentSurface
 from uqfold.methods import ReliabilityMethod
 from uqfold.testing import CHECKS, ContractError, check_method
 
+CASES = [
+    # thirty fits of a surface
+    pytest.param(*pair, marks=pytest.mark.slow if pair[0] is OverConfidentSurface else ())
+    for pair in PLANTED
+]
 
-@pytest.mark.parametrize(("planted", "check"), PLANTED)
+
+@pytest.mark.parametrize(("planted", "check"), CASES)
 def test_planted_fault_is_found(planted: type[ReliabilityMethod], check: str) -> None:
     with pytest.raises(ContractError):
         check_method(planted(), only=[check])
