@@ -38,6 +38,7 @@ def exact(problem: Problem, criterion: Criterion) -> float:
     return found.pf
 
 
+@pytest.mark.slow
 def test_four_branch_system_within_100_runs() -> None:
     judged([result[0] for result in four_branch_runs()])
 
@@ -95,6 +96,7 @@ def test_classical_learning_functions_find_the_answer_too(learning: LearningFunc
     assert result.n_evals <= 100
 
 
+@pytest.mark.slow
 def test_rare_event_with_four_regions() -> None:
     asked = criteria([2.0, 3.0])
     result = ActiveKriging().estimate(FOUR_BRANCH, asked, rng=5)

@@ -37,6 +37,7 @@ def test_a_hundred_runs_answer_the_examples(method: ReliabilityMethod, build) ->
     assert found.max() < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SURFACES, ids=ids)
 def test_intervals_hold_the_truth_about_as_often_as_they_say(method: ReliabilityMethod) -> None:
     """A response that 40 runs cannot pin down, so that the surface has an error worth stating."""
