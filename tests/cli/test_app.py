@@ -44,7 +44,8 @@ def in_a_process(*words: str, **environment: str) -> subprocess.CompletedProcess
         encoding="utf-8",
         timeout=120,
         check=False,
-        env={**os.environ, **environment},
+        # a width that the caller's own terminal has set is no pipe's
+        env={**{k: v for k, v in os.environ.items() if k != "COLUMNS"}, **environment},
     )
 
 

@@ -226,9 +226,10 @@ def _check_one(study: Study, store: Path | None, invocation: Invocation, *, run:
         _make_results(quick, Path(temporary), cache, invocation, quiet=False)
         fresh = read_tables(Path(temporary), quick.columns)
     compared = 0
+    adaptive = [label for label, method in study.methods.items() if method.adaptive]
     for name, columns in study.columns.items():
         found = compare_tables(
-            committed[name], fresh[name], columns, study.identities[name], study.check
+            committed[name], fresh[name], columns, study.identities[name], study.check, adaptive
         )
         compared += found.numbers
         problems += [f"{name}: {difference}" for difference in found.differences]

@@ -133,6 +133,7 @@ class ActiveKriging(SequentialMethod):
     title: ClassVar[str] = "active Kriging"
     theory: ClassVar[Theory] = ACTIVE_KRIGING
     bounds_failed_runs: ClassVar[bool] = True
+    adaptive: ClassVar[bool] = True
 
     runs: int = 100
     initial: int | None = None

@@ -120,6 +120,9 @@ class ReliabilityMethod(ABC):
     """A few words for tables and legends."""
     bounds_failed_runs: ClassVar[bool] = False
     """Whether the hook bounds pf (`pf_low`, `pf_high`) when responses are NaN."""
+    adaptive: ClassVar[bool] = False
+    """Whether what it has seen decides where it runs the model next. Rounding then decides between
+    places that promise the same, so that another machine may take another sample."""
     theory: ClassVar[Theory] = Theory()
     """Idea, equations and references, for the methods section of reports."""
 

@@ -221,6 +221,27 @@ def test_comparison_finds_a_planted_difference(study: Study, tmp_path: Path) -> 
     assert "not among" in compared(body.assign(threshold=77.0))[0]
 
 
+def test_a_method_that_chooses_its_runs_is_judged_in_its_errors(
+    study: Study, tmp_path: Path
+) -> None:
+    body = written(StudyRunner(study), tmp_path)["body"]
+    tolerances = {"relative": 1e-6, "absolute": 1e-12, "standard_errors": 5.0}
+    mc = body[body["label"] == "mc"]
+
+    def compared(shift: float, adaptive: list[str]) -> list[str]:
+        fresh = mc.assign(pf=mc["pf"] + shift * mc["std_error"])
+        return compare_tables(
+            body, fresh, RUN_COLUMNS, RUN_IDENTITY, tolerances, adaptive
+        ).differences
+
+    assert compared(1.0, ["mc"]) == []
+    assert compared(1.0, ["ffni-spa"]) != []
+    assert compared(8.0, ["mc"]) != []
+    # what depends on no sample has to be the same
+    fresh = mc.assign(reference_pf=0.3)
+    assert compare_tables(body, fresh, RUN_COLUMNS, RUN_IDENTITY, tolerances, ["mc"]).differences
+
+
 def _same(one: tuple[Mapping[str, object], ...], other: tuple[Mapping[str, object], ...]) -> bool:
     def plain(rows: tuple[Mapping[str, object], ...]) -> list[list[object]]:
         return [
