@@ -25,6 +25,7 @@ Surface: TypeAlias = Callable[[FloatArray], FloatArray]
 TOLERANCE = 3e-4
 """Change of a normal score, up to scores of 6.2, that is no longer worth a finer rule."""
 STATIONS = (41, 65, 129, 257)
+_MANY = 8
 _COMPARED_SCORES = np.linspace(-6.2, 6.2, 17)
 _LOOK_AT, _SPREAD, _STEP = 256, 1.7, 0.05
 
@@ -104,12 +105,19 @@ class Need:
         return Need(self.level + 1, (*self.errors, self.errors[-1]))
 
 
-def refined(surface: Surface, axes: Axes) -> tuple[list[Need], Need]:
+def refined(surface: Surface, axes: Axes, together: int = 1) -> tuple[list[Need], Need]:
     """Needs of all directions across, and along each line (a rung of `STATIONS`).
 
     Refinement starts from the centre and from a place in the tail. Shared directions get a finer
     rule than the distribution itself needs, because failure of many units or missions is a
-    steeper function of the shared variables.
+    steeper function of the shared variables: a finer one still for more than a few of them.
+
+    Parameters
+    ----------
+    surface, axes
+        The surface and its directions.
+    together
+        How many responses, units times missions, a system takes.
     """
     across = axes.across
     d, count = across.shape
@@ -121,7 +129,9 @@ def refined(surface: Surface, axes: Axes) -> tuple[list[Need], Need]:
         here.append(_along(surface, axes, base))
         needs = [a.together(b) for a, b in zip(needs, here, strict=True)] if needs else here
     shared = axes.shared.shape[0]
-    return [need.finer() for need in needs[:shared]] + needs[shared:-1], needs[-1]
+    for _ in range(2 if together > _MANY else 1):
+        needs[:shared] = [need.finer() for need in needs[:shared]]
+    return needs[:-1], needs[-1]
 
 
 _Distribution: TypeAlias = TabulatedDistribution | AtomicDistribution

@@ -76,7 +76,8 @@ class SurfaceSystem:
         """
         single = units == 1 and all(criterion.missions == 1 for criterion in criteria)
         together = single or n_shared == dimension
-        plan = plan_surface(surface, dimension, 0 if together else n_shared)
+        most = units * max((one.max_missions for one in criteria), default=1)
+        plan = plan_surface(surface, dimension, 0 if together else n_shared, most)
         if not complete:
             plan = plan.for_outcomes()
         return cls(plan.rule(max_points), plan.coarse_rule(), units, together)

@@ -171,7 +171,9 @@ class SurfacePlan:
         return SurfaceRule(shared[0] @ self.axes.shared.T, shared[1], lines, resolved)
 
 
-def plan_surface(surface: Surface, dimension: int, n_shared: int) -> SurfacePlan:
+def plan_surface(
+    surface: Surface, dimension: int, n_shared: int, together: int = 1
+) -> SurfacePlan:
     """Find out how finely a surface must be known.
 
     Parameters
@@ -182,6 +184,8 @@ def plan_surface(surface: Surface, dimension: int, n_shared: int) -> SurfacePlan
         Number of variables d.
     n_shared
         How many of them, the first ones, are shared; fewer than d.
+    together
+        How many responses, units times missions, a system takes.
 
     Raises
     ------
@@ -191,7 +195,7 @@ def plan_surface(surface: Surface, dimension: int, n_shared: int) -> SurfacePlan
     if not 0 <= n_shared < dimension:
         raise ValueError(f"{n_shared} shared of {dimension} variables: one must be individual")
     axes = Axes.of(surface, dimension, n_shared)
-    across, along = refined(surface, axes)
+    across, along = refined(surface, axes, together)
     return SurfacePlan(axes, tuple(across), along)
 
 
