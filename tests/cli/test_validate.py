@@ -76,7 +76,10 @@ def test_check_measures_nothing(
     assert run("a", "--cases", three, "--check") == 1
     assert "a: no record of the full tier is kept" in capsys.readouterr().err
     for tier in ("--quick", "--full"):
-        run("a", "--cases", three, "--out", tmp_path / "out", tier, "--faults", "--update")
+        run("a", "--cases", three, "--out", tmp_path / "out", tier, "--update")
+        # kept records say whether the faults were noticed
+        record = json.loads((three / "a" / f"{tier[2:]}.json").read_text(encoding="utf-8"))
+        assert {fault["verdict"] for fault in record["faults"]} == {"does not hold"}
     assert run("a", "--cases", three, "--check") == 0
     assert "1 cases: records, code and claims belong together" in capsys.readouterr().err
 

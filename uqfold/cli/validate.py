@@ -52,7 +52,7 @@ def validate_cases(
         typer.Option(
             "--faults/--no-faults",
             help="Plant the cases' faults, each of which has to be noticed. Default: yes, except "
-            "with --quick.",
+            "with --quick without --update.",
         ),
     ] = None,
     gate: Annotated[
@@ -115,7 +115,7 @@ def validate_cases(
         tier,
         Path("uqfold-results", name) if out is None else out,
         invocation.interrupts,
-        faults=not quick if faults is None else faults,
+        faults=update or not quick if faults is None else faults,
         gate=gate,
         update=update,
         resume=session.resume_command(invocation.words),

@@ -171,9 +171,7 @@ class SurfacePlan:
         return SurfaceRule(shared[0] @ self.axes.shared.T, shared[1], lines, resolved)
 
 
-def plan_surface(
-    surface: Surface, dimension: int, n_shared: int, together: int = 1
-) -> SurfacePlan:
+def plan_surface(surface: Surface, dimension: int, n_shared: int, together: int = 1) -> SurfacePlan:
     """Find out how finely a surface must be known.
 
     Parameters
