@@ -1,5 +1,6 @@
 """The command line with methods that wait to be interrupted; run in a process of its own."""
 
+import signal
 import sys
 
 from uqfold.cli import app
@@ -17,5 +18,7 @@ def with_waiting_methods(name: str) -> object:
 
 
 if __name__ == "__main__":
+    # a program started in the background may have inherited that Ctrl-C is ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     app.named_case = with_waiting_methods
     app.main(sys.argv[1:])
