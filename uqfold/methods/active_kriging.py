@@ -26,7 +26,8 @@ from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
 from uqfold.methods.response_surface import surface_estimates
 from uqfold.methods.result import NO_ANSWER, Estimate
-from uqfold.methods.theory import ACTIVE_KRIGING, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import space_filling_design

@@ -14,7 +14,8 @@ from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
-from uqfold.methods.theory import CONDITIONAL_MONTE_CARLO, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_simulation import CONDITIONAL_MONTE_CARLO
 from uqfold.problems.criterion import Criterion
 from uqfold.system.event import mission_fails
 from uqfold.system.failure_counts import failure_by_count

@@ -16,7 +16,8 @@ from uqfold.methods.factorial_design import (
     system_estimates,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
-from uqfold.methods.theory import PEARSON, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_integration import PEARSON
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.pearson import PearsonDistribution

@@ -16,7 +16,8 @@ from uqfold.methods.factorial_design import (
     conditional_responses,
     system_estimates,
 )
-from uqfold.methods.theory import SADDLEPOINT, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_integration import SADDLEPOINT
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion

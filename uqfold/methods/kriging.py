@@ -10,7 +10,8 @@ from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
 from uqfold.methods.response_surface import Rival, surface_estimates
-from uqfold.methods.theory import KRIGING, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut

@@ -15,7 +15,8 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
 from uqfold.methods.system_sample import BLOCK_SYSTEMS, SystemBlock, draw_systems
-from uqfold.methods.theory import MONTE_CARLO, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_simulation import MONTE_CARLO
 from uqfold.typing import FloatArray, IntArray
 
 WITHOUT_A_BUDGET = 100_000

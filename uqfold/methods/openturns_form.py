@@ -34,7 +34,8 @@ from uqfold.methods.standard_space import (
     NoGradientError,
     StandardSpaceResponse,
 )
-from uqfold.methods.theory import FORM, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_simulation import FORM
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.linearised import linearised_failure

@@ -16,7 +16,8 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
-from uqfold.methods.theory import OPENTURNS_MONTE_CARLO, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_simulation import OPENTURNS_MONTE_CARLO
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import SystemEvent
 

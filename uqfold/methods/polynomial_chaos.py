@@ -13,7 +13,8 @@ from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
 from uqfold.methods.factorial_design import Nodes, affordable_design, check_nodes
 from uqfold.methods.response_surface import Rival, surface_estimates
-from uqfold.methods.theory import POLYNOMIAL_CHAOS, Theory
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design

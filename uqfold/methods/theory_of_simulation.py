@@ -1,0 +1,126 @@
+"""What simulation and FORM state of themselves."""
+
+from uqfold.methods.theory import Equation, Theory
+
+_CLOPPER_PEARSON = (
+    "Clopper C.J., Pearson E.S. The use of confidence or fiducial limits illustrated in the case "
+    "of the binomial. Biometrika 26 (1934) 404-413."
+)
+_OPENTURNS = (
+    "Baudin M., Dutfoy A., Iooss B., Popelin A.-L. OpenTURNS: an industrial software for "
+    "uncertainty quantification in simulation. Handbook of Uncertainty Quantification, "
+    "Springer, 2017, 2001-2038."
+)
+
+MONTE_CARLO = Theory(
+    summary=(
+        "Crude Monte Carlo on the system itself. Each system draws its shared inputs once, and "
+        "its individual inputs for every unit and every mission; all criteria are read off the "
+        "same systems. Nothing is approximated but by sampling, and the stated error is that of "
+        "sampling."
+    ),
+    equations=(
+        Equation(
+            "Of N systems, k fail",
+            r"\hat{p}_f = \frac{k}{N}, \qquad "
+            r"\hat{\sigma} = \sqrt{\frac{\hat{p}_f (1 - \hat{p}_f)}{N}}",
+        ),
+        Equation(
+            "the interval at level 1 - α has as its ends the quantiles of two beta distributions",
+            r"\left[ B^{-1}_{k,\, N - k + 1}\left(\tfrac{\alpha}{2}\right), \; "
+            r"B^{-1}_{k + 1,\, N - k}\left(1 - \tfrac{\alpha}{2}\right) \right]",
+        ),
+    ),
+    references=(_CLOPPER_PEARSON,),
+)
+
+CONDITIONAL_MONTE_CARLO = Theory(
+    summary=(
+        "Monte Carlo on the real model that uses the structure of the system. Each draw of the "
+        "shared inputs gets several missions of responses; given the draw these are independent "
+        "and alike, so all ways to choose the responses of one system among them are averaged. "
+        "Within a block the shared draws are stratified; the stated error is that of sampling, "
+        "from the spread of the block means."
+    ),
+    equations=(
+        Equation(
+            "With F failed responses among the K = n B of a shared draw, the probability that n "
+            "units over m missions all work is estimated without bias by",
+            r"\hat{q} = \binom{K - F}{n m} \Big/ \binom{K}{n m}",
+        ),
+        Equation(
+            "under a synchronization threshold, with F failed missions among B, averaged over "
+            "several arrangements of the responses into missions, by",
+            r"\hat{q} = \binom{B - F}{m} \Big/ \binom{B}{m}",
+        ),
+        Equation(
+            "with the mean over shared draws and blocks",
+            r"\hat{p}_f = \operatorname{mean}(1 - \hat{q}), \qquad \hat{\sigma} = "
+            r"\sqrt{\frac{1}{N (N - 1)} \sum_{j=1}^{N} \left( \hat{p}_j - \hat{p}_f \right)^2}",
+        ),
+    ),
+    references=(
+        "Hoeffding W. A class of statistics with asymptotically normal distribution. Annals of "
+        "Mathematical Statistics 19 (1948) 293-325.",
+        "McKay M.D., Beckman R.J., Conover W.J. A comparison of three methods for selecting "
+        "values of input variables in the analysis of output from a computer code. "
+        "Technometrics 21 (1979) 239-245.",
+    ),
+)
+
+OPENTURNS_MONTE_CARLO = Theory(
+    summary=(
+        "Monte Carlo simulation by OpenTURNS. The whole system is one event in standard-normal "
+        "space; each criterion is simulated by itself until the coefficient of variation of the "
+        "estimate falls to its target or the samples run out. The stopping rule looks at the "
+        "failures, so standard error and interval are approximate."
+    ),
+    equations=(
+        Equation(
+            "Of N systems, k fail; the simulation stops when",
+            r"\hat{p}_f = \frac{k}{N}, \qquad "
+            r"\sqrt{\frac{1 - \hat{p}_f}{N \hat{p}_f}} \le \mathrm{CoV}_{\text{target}}",
+        ),
+    ),
+    references=(_OPENTURNS, _CLOPPER_PEARSON),
+)
+
+FORM = Theory(
+    summary=(
+        "First-order reliability method on one unit, by OpenTURNS. The limit state of one unit is "
+        "replaced by a plane at its design point in standard-normal space; units and missions are "
+        "joined through the shared part of the design direction. The point found is checked, not "
+        "trusted. The method states no error: the curvature of the limit state is neglected, and "
+        "so are further design points."
+    ),
+    equations=(
+        Equation(
+            "The design point of the limit state y(u) = T is",
+            r"u^* = \underset{u}{\operatorname{argmin}} "
+            r"\left\{ \lVert u \rVert : y(u) = T \right\}, \qquad "
+            r"\beta = \pm \lVert u^* \rVert, \qquad "
+            r"\alpha = \frac{\nabla y(u^*)}{\lVert \nabla y(u^*) \rVert}",
+        ),
+        Equation(
+            "with the shared part of α the linearised responses of all units and missions "
+            "have the common correlation",
+            r"\rho = \lVert \alpha_{\text{shared}} \rVert^2",
+        ),
+        Equation(
+            "and n units over m missions fail with",
+            r"p_f \approx \int_{-\infty}^{\infty} \varphi(z) \left\{ 1 - \left[ \Phi\left( "
+            r"\frac{\beta - \sqrt{\rho}\, z}{\sqrt{1 - \rho}} \right) \right]^{n m} \right\} "
+            r"\mathrm{d} z",
+        ),
+    ),
+    references=(
+        "Hasofer A.M., Lind N.C. Exact and invariant second-moment code format. Journal of the "
+        "Engineering Mechanics Division ASCE 100 (1974) 111-121.",
+        "Abdo T., Rackwitz R. A new beta-point algorithm for large time-invariant and "
+        "time-variant reliability problems. 3rd IFIP WG 7.5 Conference, 1990.",
+        "Dunnett C.W., Sobel M. Approximations to the probability integral and certain percentage "
+        "points of a multivariate analogue of Student's t-distribution. Biometrika 42 (1955) "
+        "258-260.",
+        _OPENTURNS,
+    ),
+)
