@@ -7,12 +7,13 @@ from uqfold.lazy import lazy_exports
 if TYPE_CHECKING:
     from uqfold.analysis.derivatives_by_simulation import score_derivatives
     from uqfold.analysis.derivatives_by_surface import surface_derivatives
-    from uqfold.analysis.design import Design, Scan, Verification, verify, verify_all
+    from uqfold.analysis.design import Design, Scan
     from uqfold.analysis.designed_input import design_input
     from uqfold.analysis.designed_threshold import design_threshold, design_thresholds
     from uqfold.analysis.fitted_surface import NoSurfaceError
     from uqfold.analysis.pf_derivatives import InputParameter, PfDerivative, PfDerivatives
     from uqfold.analysis.sobol import SobolIndex, SobolIndices, chaos_sobol, pick_freeze
+    from uqfold.analysis.verification import Verification, verify, verify_all
 
 __all__ = [
     "Design",
@@ -41,9 +42,9 @@ __getattr__, __dir__ = lazy_exports(
     {
         "Design": "uqfold.analysis.design",
         "Scan": "uqfold.analysis.design",
-        "Verification": "uqfold.analysis.design",
-        "verify": "uqfold.analysis.design",
-        "verify_all": "uqfold.analysis.design",
+        "Verification": "uqfold.analysis.verification",
+        "verify": "uqfold.analysis.verification",
+        "verify_all": "uqfold.analysis.verification",
         "design_input": "uqfold.analysis.designed_input",
         "design_threshold": "uqfold.analysis.designed_threshold",
         "design_thresholds": "uqfold.analysis.designed_threshold",

@@ -1,4 +1,4 @@
-"""What a design for a target reliability is: its value, its interval, and how it is verified.
+"""What a design for a target reliability is: its value and its interval.
 
 A design value is where pf crosses the target. The interval of pf at every value that was looked at
 gives three curves; where they cross the target are the value and the ends of its interval.
@@ -13,18 +13,13 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from uqfold.evaluation import Evaluator
-from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.result import NO_ANSWER, CriterionResult, reliability_index
-from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
 
 Seek: TypeAlias = Literal["smallest", "largest"]
 DesignStatus: TypeAlias = Literal["found", "doubtful", "met everywhere", "met nowhere", "failed"]
-Meets: TypeAlias = Literal["yes", "no", "undecided"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,37 +129,6 @@ class Design:
         return self.high if self.seek == "smallest" else self.low
 
 
-@dataclass(frozen=True)
-class Verification:
-    """Simulation of the real model at a design value.
-
-    Attributes
-    ----------
-    value
-        The value.
-    pf, std_error, ci_low, ci_high
-        pf by simulation, its standard error and interval of 95 %.
-    meets
-        Whether the target is met: ``yes`` and ``no`` where the whole interval lies on one side.
-    agrees
-        Whether the interval meets the one that the design states at this value.
-    method, n_evals, seconds, seed
-        How it was simulated, and the cost.
-    """
-
-    value: float
-    pf: float
-    std_error: float
-    ci_low: float
-    ci_high: float
-    meets: Meets
-    agrees: bool
-    method: str
-    n_evals: int
-    seconds: float
-    seed: int
-
-
 def check_target(target_pf: float, between: tuple[float, float]) -> tuple[float, float]:
     """Check target and range; gives the range.
 
@@ -262,92 +226,3 @@ def located(scan: Scan, target_pf: float, seek: Seek) -> tuple[Crossing, float, 
             message = "; ".join(dict.fromkeys([found.message, *notes])).removeprefix("; ")
             found = Crossing(found.value, "doubtful", message, found.cell)
     return found, low, high
-
-
-def verify(
-    design: Design,
-    method: ReliabilityMethod | None = None,
-    value: float | None = None,
-    *,
-    max_evals: int | None = None,
-    rng: RandomSource = None,
-    evaluator: Evaluator | None = None,
-) -> Verification:
-    """Simulate the real model at a design value.
-
-    Parameters
-    ----------
-    design
-        A design with a value.
-    method
-        A simulation on the real model; None: `MonteCarlo` with 100,000 systems.
-    value
-        Where; None: at the design's best value. `Design.safe` is the other place of interest.
-    max_evals, rng, evaluator
-        As in `ReliabilityMethod.estimate`.
-
-    Raises
-    ------
-    ValueError
-        If there is no value to verify.
-    RuntimeError
-        If the simulation gives no answer.
-    """
-    at = design.value if value is None else value
-    return verify_all(
-        [(design, at)], method, max_evals=max_evals, rng=rng, evaluator=evaluator
-    )[0]  # fmt: skip
-
-
-def verify_all(
-    places: Sequence[tuple[Design, float]],
-    method: ReliabilityMethod | None = None,
-    *,
-    max_evals: int | None = None,
-    rng: RandomSource = None,
-    evaluator: Evaluator | None = None,
-) -> list[Verification]:
-    """Simulate the real model at several design values; see `verify`.
-
-    Designs of thresholds for the same problem share one simulation.
-    """
-    chosen = MonteCarlo(systems=100_000) if method is None else method
-    seed = reduced_seed(rng)
-    placed = []
-    for design, value in places:
-        if not math.isfinite(value):
-            raise ValueError(f"{design.parameter}: no value to verify ({design.status})")
-        placed.append(design.place(value))
-    rows: dict[int, CriterionResult] = {}
-    for problem in {id(one): one for one, _ in placed}.values():
-        mine = [i for i, (one, _) in enumerate(placed) if one is problem]
-        result = chosen.estimate(
-            problem, [placed[i][1] for i in mine],
-            max_evals=max_evals, rng=seed, evaluator=evaluator,
-        )  # fmt: skip
-        rows.update(zip(mine, result, strict=True))
-    return [_verified(*places[i], rows[i]) for i in range(len(places))]
-
-
-def _verified(design: Design, value: float, row: CriterionResult) -> Verification:
-    if row.status in NO_ANSWER:
-        raise RuntimeError(f"{design.parameter} = {value:g}: {row.message}")
-    meets: Meets = "undecided"
-    if row.ci_high <= design.target_pf:
-        meets = "yes"
-    elif row.ci_low > design.target_pf:
-        meets = "no"
-    low, high = design.scan.interval(value)
-    return Verification(
-        value=value,
-        pf=row.pf,
-        std_error=row.std_error,
-        ci_low=row.ci_low,
-        ci_high=row.ci_high,
-        meets=meets,
-        agrees=bool(row.ci_low <= high and low <= row.ci_high),
-        method=row.method,
-        n_evals=row.n_evals,
-        seconds=row.seconds,
-        seed=row.seed,
-    )

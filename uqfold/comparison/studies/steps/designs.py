@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from uqfold.analysis.design import Design, Verification, verify_all
+from uqfold.analysis.design import Design
 from uqfold.analysis.designed_input import design_input
 from uqfold.analysis.designed_threshold import design_thresholds
+from uqfold.analysis.verification import Verification, verify_all
 from uqfold.comparison.studies.document import Place
 from uqfold.comparison.studies.grids import MISSIONS, NUMBERS, SEED, TAUS
 from uqfold.comparison.studies.keys import COUNT, TEXT, Key, Kind, RowIdentity, Value, choice
