@@ -91,6 +91,9 @@ def _draw(axes: Axes, rows: pd.DataFrame, styles: Mapping[str, MethodStyle]) -> 
     axes.xaxis.set_major_formatter(
         lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
     )
+    if rows.empty:
+        axes.text(0.5, 0.5, "not asked", transform=axes.transAxes, ha="center", color="#555555")
+        return
     line = rows.sort_values("n_evals")
     axes.plot(line["n_evals"], line["monte_carlo_rms"], **EXPECTED)
     for name, look in styles.items():
