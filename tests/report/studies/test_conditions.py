@@ -90,3 +90,13 @@ def test_anything_but_two_conditions_is_refused() -> None:
         draw(problems=("one",))
     with pytest.raises(SelectionError, match="no row has"):
         draw(problems=("one", "three"))
+
+
+@pytest.mark.parametrize("length", [1, 20, 32])
+def test_legend_is_no_wider_than_the_figure(length: int) -> None:
+    figure = draw(names=("n" * length, "second"))
+    [legend] = figure.legends
+    assert legend.get_window_extent().width <= figure.bbox.width
+    rows = 5 if length == 32 else 3
+    # the figure grows with the legend, the panels stay as they are
+    assert figure.get_figheight() == pytest.approx(1.9 + 1.9 + 1.6 + 0.45 + 0.17 * rows + 0.1)

@@ -40,7 +40,7 @@ def draw_estimates(axes: Axes, rows: pd.DataFrame, style: MethodStyle, *, as_pf:
     shown = rows
     if as_pf:
         none = rows[rows["pf"] == 0.0]
-        axes.plot(none["threshold"], none["ci_high"], color="black", **UPPER_BOUND)
+        axes.plot(none["threshold"], none["ci_high"], color=style.color, **UPPER_BOUND)
         shown = rows[rows["pf"] > 0.0]
     y = shown["pf" if as_pf else "reliability"].to_numpy()
     low, high = shown["ci_low"].to_numpy(), shown["ci_high"].to_numpy()

@@ -21,6 +21,7 @@ PANEL_INCHES = 2.4
 """Width of a panel where several stand side by side."""
 LEGEND_COLUMN_INCHES = 1.55
 LEGEND_ROW_INCHES = 0.17
+TIGHT: dict[str, float] = {"handlelength": 1.4, "handletextpad": 0.5, "columnspacing": 0.9}
 X_LABEL_INCHES = 0.45
 X_TICKS = (7, 5)
 """At most so many steps between ticks of a single panel, and of several side by side."""
@@ -63,8 +64,20 @@ def stacked_panels(
     for axes in grid[-1]:
         axes.xaxis.set_major_locator(MaxNLocator(X_TICKS[columns > 1], steps=[1, 2, 5, 10]))
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=max(legend_columns, 1))
+        _add_legend(figure, handles, legend_columns)
     return figure, grid
+
+
+def _add_legend(figure: Figure, handles: Sequence[Any], columns: int) -> None:
+    """Put a legend below the panels: closer together, then in fewer columns, until it fits."""
+    tries = [(ncols, look) for ncols in range(columns, 0, -1) for look in ({}, TIGHT)]
+    for ncols, look in tries:
+        legend = figure.legend(handles=handles, loc="outside lower center", ncols=ncols, **look)
+        if legend.get_window_extent().width <= figure.bbox.width or (ncols, look) == tries[-1]:
+            break
+        legend.remove()
+    more = math.ceil(len(handles) / ncols) - math.ceil(len(handles) / columns)
+    figure.set_figheight(figure.get_figheight() + LEGEND_ROW_INCHES * more)
 
 
 def threshold_label(response: str, unit: str) -> str:
