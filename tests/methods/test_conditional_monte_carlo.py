@@ -106,6 +106,21 @@ def test_few_and_no_failures_are_doubtful() -> None:
     assert math.isnan(none.std_error)
 
 
+def test_a_reliability_that_rests_on_a_few_draws_is_doubtful() -> None:
+    """Where the shared input decides nearly alone, errors of rare success are understated."""
+    system = LinearNormalSystem(units=4, shared_std=2.0)
+    asked = criteria([5.5, 11.0])
+    results = [
+        ConditionalMonteCarlo(blocks=6).estimate(system.problem(), asked, rng=seed)
+        for seed in range(20)
+    ]
+    exact = system.pf(asked[0])
+    assert max(abs(rare.pf - exact) / rare.std_error for rare, _ in results) > 100.0
+    assert {rare.status for rare, _ in results} == {"doubtful"}
+    assert all("the reliability rests on about" in rare.message for rare, _ in results)
+    assert {(common.status, common.message) for _, common in results} == {("converged", "")}
+
+
 def test_problem_without_shared_inputs() -> None:
     def first(x: np.ndarray) -> np.ndarray:
         return x[:, 0]

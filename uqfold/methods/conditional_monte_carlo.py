@@ -30,7 +30,8 @@ WITHOUT_A_BUDGET = 256
 ARRANGEMENTS = 6
 """Ways in which the responses of a draw are put together to missions under tau."""
 FEW = 10
-"""Fewer shared draws than this with a failure leave the stated error uncertain itself."""
+"""Fewer shared draws than this behind pf or the reliability leave the stated error uncertain
+itself."""
 LEVEL = 0.95
 
 
@@ -171,6 +172,8 @@ class _Sums:
         self.mean = np.zeros((2, len(self.criteria)))
         self.squares = np.zeros_like(self.mean)
         self.failing = np.zeros(len(self.criteria), dtype=np.int64)
+        # of the reliability given the shared inputs: sum and sum of squares over all draws
+        self.working = np.zeros((2, len(self.criteria)))
         self.tables = [
             failure_by_count(missions * self.units, self.units, c.missions)
             if c.tau is None
@@ -193,6 +196,8 @@ class _Sums:
                 estimates[j, i] = found.mean(axis=(1, 2))
                 if missing_fails:
                     self.failing[i] += int((found > 0.0).any(axis=1).sum())
+                    working = 1.0 - found.mean(axis=1)
+                    self.working[:, i] += working.sum(), (working**2).sum()
         before, self.blocks = self.blocks, self.blocks + len(ways)
         share = len(ways) / self.blocks
         own = estimates.mean(axis=2)
@@ -216,6 +221,15 @@ class _Sums:
                 arranged.reshape(shape), threshold, tau, missing_fails=missing_fails
             )
         return np.asarray(fails.sum(axis=-1))
+
+    def _alike(self, i: int) -> float:
+        """How many draws with one and the same reliability would scatter like these.
+
+        Nearly every draw has some reliability, so that counting them says nothing. This is Kish's
+        effective size of a weighted sample (Survey Sampling, 1965).
+        """
+        total, squares = self.working[:, i].tolist()
+        return math.inf if squares == 0.0 else total**2 / squares
 
     def estimate(self, i: int, missing: int, stopped: str) -> Estimate:
         """Answer one criterion."""
@@ -245,6 +259,9 @@ class _Sums:
         elif failing < FEW:
             status = "doubtful"
             messages.append(f"failures in {failing} of {draws} shared draws")
+        elif (alike := self._alike(i)) < FEW:
+            status = "doubtful"
+            messages.append(f"the reliability rests on about {alike:.2g} of {draws} shared draws")
         return Estimate(
             pf=pf,
             reliability=1.0 - pf,
