@@ -52,12 +52,14 @@ def test_writes_nothing_into_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_notice_appears_only_when_it_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "SHOW_AFTER_SECONDS", 0.05)
+    monkeypatch.setattr(progress, "SHOW_AFTER_SECONDS", 0.5)
     pipe, file = console(terminal=False)
     with notice_if_slow("compiling ...", pipe):
         pass
-    time.sleep(0.15)
+    time.sleep(0.6)
     assert file.getvalue() == ""
+    end = time.monotonic() + 30.0
     with notice_if_slow("compiling ...", pipe):
-        time.sleep(0.15)
+        while not file.getvalue() and time.monotonic() < end:
+            time.sleep(0.01)
     assert file.getvalue() == "compiling ...\n"
