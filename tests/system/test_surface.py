@@ -173,3 +173,20 @@ def test_changes_follow_other_surfaces() -> None:
     before = np.array([f.pf for f in system.failures(surface, asked)])
     after = np.array([f.pf for f in system.failures(lambda u: surface(u) + 0.1, asked)])
     assert_allclose(found[1], ndtri(before) - ndtri(after), rtol=0.05, atol=2e-3)
+
+
+@pytest.mark.parametrize("shared", [0.5, 1.0, 3.0])
+def test_many_responses_that_share_a_strong_cause(shared: float) -> None:
+    """Failure of 40 responses is steep in the shared variable; known from a sum over it."""
+    units, missions, std = 4, 10, 0.5 if shared == 3.0 else 1.0
+    total = np.hypot(shared, std)
+    asked = [Criterion(float(score * total), None, missions) for score in (0.5, 1.5, 3.0, 4.5)]
+    found = surface_failures(
+        lambda u: shared * u[:, 0] + std * u[:, 1], 2, 1, units, asked
+    )  # fmt: skip
+    v = np.linspace(-9.0, 9.0, 20_001)
+    weights = np.exp(-0.5 * v**2) / np.exp(-0.5 * v**2).sum()
+    for criterion, one in zip(asked, found, strict=True):
+        unit = ndtr((shared * v - criterion.threshold) / std)
+        exact = weights @ -np.expm1(units * missions * np.log1p(-np.minimum(unit, 1.0 - 1e-16)))
+        assert abs(ndtri(one.pf) - ndtri(exact)) < 1e-6

@@ -19,6 +19,7 @@ from uqfold.comparison.studies import (
 from uqfold.comparison.studies.check import compare_tables
 from uqfold.comparison.studies.results import write_record, write_table
 from uqfold.comparison.studies.study import RUN_COLUMNS, RUN_IDENTITY
+from uqfold.methods import available
 from uqfold.problems import series
 from uqfold.report.studies import figure_kinds, table_kinds
 
@@ -237,6 +238,8 @@ def test_a_method_that_chooses_its_runs_is_judged_in_its_errors(
     assert compared(1.0, ["mc"]) == []
     assert compared(1.0, ["ffni-spa"]) != []
     assert compared(8.0, ["mc"]) != []
+    # of ours, one method chooses its runs by what it has seen
+    assert [name for name, method in available().items() if method.adaptive] == ["ak-mcs"]
     # what depends on no sample has to be the same
     fresh = mc.assign(reference_pf=0.3)
     assert compare_tables(body, fresh, RUN_COLUMNS, RUN_IDENTITY, tolerances, ["mc"]).differences

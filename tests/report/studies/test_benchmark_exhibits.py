@@ -67,5 +67,9 @@ def test_figure_of_errors() -> None:
     assert len(figure.axes) == 2
     drawn = [line.get_xdata().tolist() for line in figure.axes[0].lines if line.get_marker() == "P"]
     assert [100.0, 1125.0] in drawn
+    assert not any(axes.texts for axes in figure.axes)
     with pytest.raises(SelectionError, match="no reference lies"):
         figure_kinds()["budgets"].call({**settings, "decades": (-9.0,)}, TABLES)
+    # where one decade of several was not asked, the panel says so
+    empty = figure_kinds()["budgets"].call({**settings, "decades": (-2.0, -9.0)}, TABLES).axes[1]
+    assert [text.get_text() for text in empty.texts] == ["not asked"]
