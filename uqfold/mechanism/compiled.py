@@ -9,7 +9,11 @@ visible.
 """
 
 import hashlib
+import warnings
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 from numba import njit
 
@@ -19,8 +23,31 @@ kernel = njit(error_model="numpy")
 inlined = njit(error_model="numpy", forceinline=True)
 """Decorator of a small kernel that is compiled into its caller."""
 
-entry_point = njit(error_model="numpy", nogil=True, cache=True)
-"""Decorator of a kernel that Python calls; it has to use `fingerprint()` as a closure variable."""
+
+def entry_point(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of a kernel that Python calls.
+
+    It has to use `fingerprint()` as a closure variable. Where no folder can take the compiled code
+    it is compiled anew by every process, and a warning says so.
+    """
+    compiled: Callable[..., Any]
+    try:
+        compiled = njit(error_model="numpy", nogil=True, cache=True)(function)
+    except RuntimeError:
+        _say_that_nothing_is_kept()
+        compiled = njit(error_model="numpy", nogil=True)(function)
+    return compiled
+
+
+@cache
+def _say_that_nothing_is_kept() -> None:
+    warnings.warn(
+        "the wing's compiled code cannot be kept, every process compiles it anew, for up to minutes: "
+        f"neither {Path(__file__).parent} nor the folder for caches is writable. Set "
+        "NUMBA_CACHE_DIR to a folder that is",
+        RuntimeWarning,
+        stacklevel=3,
+    )
 
 
 def fingerprint() -> int:
