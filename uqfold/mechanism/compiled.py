@@ -42,7 +42,7 @@ def entry_point(function: Callable[..., Any]) -> Callable[..., Any]:
 @cache
 def _say_that_nothing_is_kept() -> None:
     warnings.warn(
-        "the wing's compiled code cannot be kept, every process compiles it anew, for up to minutes: "
+        "the wing's compiled code cannot be kept, every process compiles it anew: "
         f"neither {Path(__file__).parent} nor the folder for caches is writable. Set "
         "NUMBA_CACHE_DIR to a folder that is",
         RuntimeWarning,
