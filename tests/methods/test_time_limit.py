@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from uqfold.evaluation import Evaluator, TimeLimitError
+from uqfold.evaluation.batch import run_batch
 from uqfold.methods import (
     ActiveKriging,
     FFNIPearson,
@@ -19,6 +20,7 @@ from uqfold.methods import (
 from uqfold.problems import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.time_limit import check_time, time_checked_by
 from uqfold.typing import FloatArray
 
 SYSTEM = LinearNormalSystem()
@@ -102,3 +104,45 @@ def test_too_few_runs_are_none(slow: Callable[..., Any], method: ReliabilityMeth
     assert (
         "out of budget before an answer: the wall-clock limit of 5 s is over" in result[0].message
     )
+
+
+@pytest.mark.parametrize(
+    "method",
+    [Kriging(runs=20), PolynomialChaos(runs=20), ActiveKriging(runs=20), FFNIPearson(rows=9_000)],
+    ids=lambda method: method.name,
+)
+def test_a_limit_holds_in_every_phase(
+    monkeypatch: pytest.MonkeyPatch, method: ReliabilityMethod
+) -> None:
+    """Every time limit holds in every phase: here each look at the clock takes a second."""
+    clock = iter(range(10**9))
+    monkeypatch.setattr(
+        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
+    )
+    looks = 20.0
+    row = method.estimate(
+        SYSTEM.problem(), criteria(11.0, tau=1.0), rng=1, evaluator=Evaluator(max_seconds=looks)
+    )[0]
+    assert row.status in {"failed", "budget_exhausted", "doubtful"}
+    assert "max_seconds" in row.message
+    assert next(clock) < 2 * looks
+
+
+def test_the_limit_is_lifted_while_the_model_runs() -> None:
+    """A run that was started is finished, though its model asks for the time itself."""
+    asked = []
+
+    def model(x: FloatArray) -> FloatArray:
+        check_time()
+        asked.append(len(x))
+        return x[:, 0]
+
+    def expired() -> None:
+        raise TimeLimitError("over")
+
+    with time_checked_by(expired):
+        assert run_batch(model, np.zeros((3, 1))).y.tolist() == [0.0, 0.0, 0.0]
+        with pytest.raises(TimeLimitError):
+            check_time()
+    check_time()
+    assert asked == [3]

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.time_limit import time_checked_by
 from uqfold.typing import FloatArray, Model
 
 GIVE_UP_AFTER = 64
@@ -122,9 +123,11 @@ def run_batch(model: Model, x: FloatArray, may_give_up: bool = False) -> Outcome
     """
     started = time.perf_counter()
     reasons: list[str] = []
-    y = _rows(model, x, reasons) if isinstance(model, RowModel) else None
-    if y is None:
-        y = _halved(model, x, may_give_up, reasons)
+    # the limit of the estimate ends no run that was started, whatever the model is made of
+    with time_checked_by(None):
+        y = _rows(model, x, reasons) if isinstance(model, RowModel) else None
+        if y is None:
+            y = _halved(model, x, may_give_up, reasons)
     return Outcome(y, reasons[0] if reasons else "", time.perf_counter() - started)
 
 

@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -36,6 +36,8 @@ WAKE_SECONDS = 0.2
 """How often a wait for workers looks at the clock and at Ctrl-C."""
 AHEAD = 4
 """Finished batches that may wait for an earlier one, as a multiple of those under way."""
+GRACE_SECONDS, GRACE_SHARE = 5.0, 0.1
+"""Time beyond the limit for summing up what there is: so much, and this share of the limit."""
 
 
 @dataclass(eq=False)
@@ -90,6 +92,7 @@ class EvaluationSession:
         self._numbers = count()
         limit = self.settings.max_seconds
         self._deadline = None if limit is None else time.monotonic() + limit
+        self._summed_up_by: float | None = None
 
     @property
     def remaining(self) -> int:
@@ -207,6 +210,21 @@ class EvaluationSession:
             )
         return x
 
+    def check_time(self) -> None:
+        """Raise if the wall-clock limit is over: for work between and after model runs.
+
+        Whoever catches the error may sum up what there is: for a few seconds and a tenth of the
+        limit nothing is raised again, except that no more runs are started.
+
+        Raises
+        ------
+        TimeLimitError
+            If the limit is over, and the time for summing up too if the error was raised before.
+        """
+        limit = self._deadline if self._summed_up_by is None else self._summed_up_by
+        if limit is not None and time.monotonic() >= limit:
+            self._time_is_over()
+
     @property
     def watched(self) -> bool:
         """Whether anybody looks at running estimates."""
@@ -239,7 +257,7 @@ class EvaluationSession:
 
     def _begin(self, batch: _Batch, under_way: dict[int, _Batch], *, first: bool) -> None:
         """Look a batch up in the store, and hand over what is not there."""
-        self._check_time()
+        self._check_deadline()
         x = batch.x
         if self.shelf is not None:
             batch.y[:] = self.shelf.look_up(x, batch.grain)
@@ -256,7 +274,7 @@ class EvaluationSession:
     def _collect(self, under_way: dict[int, _Batch]) -> None:
         """Wait for any batch under way, and keep its responses."""
         while (found := self._runner.finished(WAKE_SECONDS)) is None:
-            self._check_time()
+            self._check_deadline()
         number, outcome = found
         batch = under_way.pop(number)
         if batch.missing is None:
@@ -296,9 +314,17 @@ class EvaluationSession:
         if self.settings.failed_runs == "count-as-failure":
             batch.y[failed] = np.inf
 
-    def _check_time(self) -> None:
+    def _check_deadline(self) -> None:
+        """No run is started after the limit."""
         if self._deadline is not None and time.monotonic() >= self._deadline:
-            raise TimeLimitError(
-                f"the wall-clock limit of {self.settings.max_seconds:g} s is over after "
-                f"{self.n_evals} runs"
-            )
+            self._time_is_over()
+
+    def _time_is_over(self) -> NoReturn:
+        limit = self.settings.max_seconds
+        assert limit is not None
+        assert self._deadline is not None
+        self._summed_up_by = self._deadline + GRACE_SECONDS + GRACE_SHARE * limit
+        raise TimeLimitError(
+            f"the wall-clock limit of {limit:g} s is over after {self.n_evals} runs "
+            "(max_seconds of the evaluator)"
+        )

@@ -35,6 +35,7 @@ from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
+from uqfold.time_limit import time_checked_by
 from uqfold.typing import FloatArray, Model
 
 
@@ -72,6 +73,13 @@ class Task:
         """Tell the progress display how many runs this task will need in all."""
         budget = self.session.max_evals
         self.session.expected = n_evals if budget is None else min(n_evals, budget)
+
+    def check_time(self) -> None:
+        """Raise `TimeLimitError` if the time is over; see `EvaluationSession.check_time`.
+
+        What does not know the task calls `uqfold.time_limit.check_time`, which does the same.
+        """
+        self.session.check_time()
 
     def generator(self, block: int = 0) -> np.random.Generator:
         """Give the random generator of one block of work."""
@@ -244,7 +252,8 @@ class ReliabilityMethod(ABC):
         if not task.criteria:
             return Solution([])
         try:
-            solution = solve()
+            with time_checked_by(task.session.check_time):
+                solution = solve()
             if len(solution.estimates) != len(task.criteria):
                 raise ValueError(
                     f"{self.name} gave {len(solution.estimates)} answers to "

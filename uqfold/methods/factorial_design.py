@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from uqfold.evaluation import BudgetExceededError
+from uqfold.evaluation import BudgetExceededError, TimeLimitError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
 from uqfold.methods.base import Task, attempt
@@ -256,6 +256,8 @@ def system_estimates(
 
     try:
         together = system_failures(responses, details.weights, units, task.criteria)
+    except TimeLimitError:
+        raise
     except (ArithmeticError, RuntimeError, ValueError):
         # one criterion cannot be integrated: the others still get their answers, one by one
         return [attempt(partial(alone, criterion)) for criterion in task.criteria]

@@ -16,6 +16,7 @@ from typing import Protocol
 
 import numpy as np
 
+from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import Task, attempt
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import Estimate
@@ -166,6 +167,8 @@ def _estimates(
     every = range(len(task.criteria))
     try:
         return answers(every)
+    except TimeLimitError:
+        raise
     except (ArithmeticError, RuntimeError, ValueError):
         # one criterion cannot be integrated: the others still get their answers, one by one
         return [attempt(partial(alone, row)) for row in every]

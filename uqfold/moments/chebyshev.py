@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 # With 20 terms a panel may hold exp(+-4) or a pole three half-widths away at rounding accuracy.
@@ -68,6 +69,7 @@ def evaluate(coefficients: FloatArray, panel: NDArray[np.intp], x: FloatArray) -
     total = np.empty_like(x)
     # In blocks that stay in the processor's cache, with all work arrays in place.
     for start in range(0, x.size, _BLOCK):
+        check_time()
         block = slice(start, start + _BLOCK)
         where, local = panel[block], x[block]
         double = 2.0 * local

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 # Nodes and weights of the (7, 15) pair, Piessens et al., QUADPACK (Springer, 1983), dqk15.
@@ -90,6 +91,7 @@ def integrate(
     total: FloatArray = np.zeros(offset.shape)
     parent_error = np.full((offset.size, low.size), np.inf)
     for _ in range(_MOST_BISECTIONS):
+        check_time()
         if low.size == 0:
             return np.asarray(total)
         half = 0.5 * (high - low)

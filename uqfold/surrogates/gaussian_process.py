@@ -13,6 +13,7 @@ Wilson J. T. et al. Efficiently sampling functions from Gaussian process posteri
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,6 +35,7 @@ from uqfold.surrogates.likelihood import (
     estimate_hyperparameters,
 )
 from uqfold.surrogates.random_field import RandomField, random_field
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
 # Rows handled at once: keeps the distance matrix in the processor's cache.
@@ -257,5 +259,7 @@ def _trend_indices(trend: int | IntArray, dimension: int, most: int) -> IntArray
     return total_degree_indices(dimension, trend)
 
 
-def _chunks(size: int) -> list[slice]:
-    return [slice(i, min(i + _CHUNK, size)) for i in range(0, size, _CHUNK)]
+def _chunks(size: int) -> Iterator[slice]:
+    for start in range(0, size, _CHUNK):
+        check_time()
+        yield slice(start, min(start + _CHUNK, size))

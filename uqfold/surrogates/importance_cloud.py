@@ -21,6 +21,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 REACH = 8.5
@@ -101,6 +102,7 @@ def importance_cloud(
     drawn = [_draw(proposals[0], dimension, layers[0], rng)]
     values = [wanted(drawn[0])]
     for size in layers[1:]:
+        check_time()
         u = np.concatenate(drawn)
         weights = _balanced(u, proposals, layers)
         importance = _importance(np.concatenate(values, axis=1), weights)

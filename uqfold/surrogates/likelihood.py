@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.surrogates.kernels import Kernel, correlation, correlation_slope
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 # In standard-normal space, where the inputs have spread one: a prior on length scales that holds
@@ -147,6 +148,7 @@ class _Objective:
         )
 
     def __call__(self, logs: FloatArray) -> tuple[float, FloatArray]:
+        check_time()
         values, d, n = self.unpack(logs), self.dimension, self.y.size
         inverse_squares = values.length_scales**-2.0
         squared = np.tensordot(inverse_squares, self.squares, axes=1)

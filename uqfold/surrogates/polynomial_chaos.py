@@ -28,6 +28,7 @@ from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.hermite import hermite_basis, rescaled, total_degree_indices
 from uqfold.surrogates.random_field import RandomField, random_field
 from uqfold.surrogates.selection import Regression, select_basis
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
 _CHUNK = 8192
@@ -196,6 +197,7 @@ def evaluate(u: FloatArray, indices: IntArray, coefficients: FloatArray) -> Floa
     """Values (m, R) of R expansions with coefficients (P, R) at u (m, d)."""
     out = np.empty((u.shape[0], coefficients.shape[1]))
     for start in range(0, u.shape[0], _CHUNK):
+        check_time()
         rows = slice(start, start + _CHUNK)
         out[rows] = hermite_basis(u[rows], indices) @ coefficients
     return out
@@ -290,6 +292,7 @@ def _transfer(indices: IntArray, spread: float) -> tuple[IntArray, FloatArray]:
     table = rescaled(int(indices.max(initial=0)), 1.0 / spread)
     entries: dict[tuple[int, ...], dict[int, float]] = defaultdict(dict)
     for column, index in enumerate(indices):
+        check_time()
         terms: dict[tuple[int, ...], float] = {(): 1.0}
         for order in index:
             terms = {

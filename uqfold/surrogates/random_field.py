@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.surrogates.kernels import Kernel, spectral_frequencies
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 _CHUNK = 2048
@@ -41,6 +42,7 @@ class RandomField:
         """Values (R, m) at u (m, d)."""
         out = np.empty((self.amplitudes.shape[1], u.shape[0]))
         for start in range(0, u.shape[0], _CHUNK):
+            check_time()
             phase = u[start : start + _CHUNK] @ self.frequencies
             waves = np.hstack([np.cos(phase), np.sin(phase)])
             out[:, start : start + _CHUNK] = (waves @ self.amplitudes).T

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uqfold.surrogates.hermite import hermite_basis, total_degree_indices
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
 # Candidate polynomials per point, and in all, of a least-angle path.
@@ -95,6 +96,7 @@ def _best_fit(
     best = _Fits(u, y, total_degree_indices(d, 0)).prefix(1)
     since = 0
     for degree in range(1, max_degree + 1):
+        check_time()
         before = best.error
         if before <= _EXACT**2 or math.comb(d + degree, degree) > _MOST_INDICES:
             break

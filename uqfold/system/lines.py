@@ -19,6 +19,7 @@ from uqfold.moments.conditional import AtomicDistribution
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 REACH = 8.5
@@ -78,6 +79,7 @@ class LineRule:
         ValueError
             If a value is not finite.
         """
+        check_time()
         table = values.reshape(self.weights.size, self.stations.size)
         if not np.isfinite(table).all():
             raise ValueError("a response surface gave values that are not finite")
