@@ -1,0 +1,322 @@
+"""Checks of arguments: each names the argument, the bad value and the remedy.
+
+A check takes the argument's name and its value and returns the value as plain Python has it, so
+that a NumPy scalar (or an array of no dimensions) is as good as a Python number. What has the wrong
+type raises TypeError, what is out of range ValueError, always as ``name = value: remedy``.
+
+>>> import numpy as np
+>>> whole("runs", np.int64(5), at_least=1)
+5
+>>> real("step", "0.1", above=0.0)
+Traceback (most recent call last):
+    ...
+TypeError: step = '0.1': give a positive number
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from decimal import Decimal
+from numbers import Integral, Real
+from pathlib import Path
+from reprlib import Repr
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+import numpy as np
+
+from uqfold.typing import FloatArray
+
+T = TypeVar("T")
+P = ParamSpec("P")
+
+LARGEST_WHOLE = 2**63 - 1
+"""No whole number is larger, so that it fits into an array."""
+
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxother = 80
+_SHORT.maxlong = 40
+
+
+def whole(
+    name: str, value: object, *, at_least: int | None = None, at_most: int | None = None
+) -> int:
+    """Return a whole number; 1e3 is one, True and "3" are none.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no number, not whole or outside [at_least, at_most].
+    """
+    remedy = "give a whole number"
+    if at_least is not None:
+        remedy += f" >= {at_least}" if at_most is None else f" from {at_least} to {at_most}"
+    elif at_most is not None:
+        remedy += f" <= {at_most}"
+    number = _plain(value)
+    if not _is_number(number):
+        raise refused(name, value, remedy, TypeError)
+    if not isinstance(number, Integral) and not (math.isfinite(number) and number == int(number)):
+        raise refused(name, number, remedy)
+    number = int(number)
+    if abs(number) > LARGEST_WHOLE:
+        raise refused(name, number, f"{remedy}, smaller than 2**63")
+    if (at_least is not None and number < at_least) or (at_most is not None and number > at_most):
+        raise refused(name, number, remedy)
+    return number
+
+
+def real(
+    name: str,
+    value: object,
+    *,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    above: float | None = None,
+    below: float | None = None,
+    finite: bool = True,
+    what: str = "number",
+) -> float:
+    """Return a real number between bounds, closed or open; NaN is never one.
+
+    Parameters
+    ----------
+    name, value
+        The argument.
+    at_least, at_most
+        Closed bounds.
+    above, below
+        Open bounds.
+    finite
+        Whether infinity is refused.
+    what
+        What the number is, for the message: "number of seconds".
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no real number, too large for a float or outside the bounds.
+    """
+    low = above if above is not None else at_least
+    high = below if below is not None else at_most
+    if low is not None and high is not None:
+        first, last = "[" if above is None else "(", "]" if below is None else ")"
+        remedy = f"give a {what} in {first}{low:g}, {high:g}{last}"
+    elif above == 0.0:
+        remedy = f"give a positive {what}"
+    elif low is not None:
+        remedy = f"give a {what} {'>' if above is not None else '>='} {low:g}"
+    elif high is not None:
+        remedy = f"give a {what} {'<' if below is not None else '<='} {high:g}"
+    else:
+        remedy = f"give a {'finite ' if finite else ''}{what}"
+    number = _plain(value)
+    if not _is_number(number):
+        raise refused(name, value, remedy, TypeError)
+    try:
+        given = float(number)
+    except OverflowError:
+        raise refused(name, value, f"{remedy} that fits into a float") from None
+    except ValueError:  # a signalling NaN
+        raise refused(name, value, remedy) from None
+    if (
+        math.isnan(given)
+        or (math.isinf(given) and (finite or given != number))
+        or (at_least is not None and given < at_least)
+        or (at_most is not None and given > at_most)
+        or (above is not None and given <= above)
+        or (below is not None and given >= below)
+    ):
+        raise refused(name, number, remedy)
+    return given
+
+
+def flag(name: str, value: object) -> bool:
+    """Return True or False; 1, "yes" and None are neither."""
+    plain = _plain(value)
+    if not isinstance(plain, bool):
+        raise refused(name, value, "give True or False", TypeError)
+    return plain
+
+
+def text(name: str, value: object, *, what: str = "text") -> str:
+    """Return text that is not empty; bytes are none."""
+    plain = _plain(value)
+    if not isinstance(plain, str):
+        raise refused(name, value, f"give {what}", TypeError)
+    if not plain:
+        raise refused(name, value, f"give {what} that is not empty")
+    return str(plain)
+
+
+def choice(name: str, value: object, options: Iterable[T]) -> T:
+    """Return the option that the value equals: text, a number or a member of an Enum."""
+    plain = _plain(value)
+    offered = list(options)
+    kinds = tuple({type(option) for option in offered})
+    right_kind = isinstance(plain, kinds) and (not isinstance(plain, bool) or bool in kinds)
+    for option in offered:
+        if right_kind and plain == option:
+            return option
+    remedy = f"choose from {', '.join(map(shown, offered))}"
+    raise refused(name, value, remedy, ValueError if right_kind else TypeError)
+
+
+def instance(name: str, value: object, kind: type[T] | tuple[type[T], ...], remedy: str) -> T:
+    """Return a value of a kind; the remedy says how to come by one: "give a Problem"."""
+    if not isinstance(value, kind):
+        raise refused(name, value, remedy, TypeError)
+    return value
+
+
+def function(name: str, value: Any, remedy: str = "give a function") -> Callable[..., Any]:
+    """Return something that can be called and is no class."""
+    if not callable(value) or isinstance(value, type):
+        raise refused(name, value, remedy, TypeError)
+    return value  # type: ignore[no-any-return]
+
+
+def path(name: str, value: object) -> Path:
+    """Return the path of a file or folder, given as text or ``os.PathLike``."""
+    remedy = "give a path as text or pathlib.Path"
+    plain = _plain(value)
+    given = os.fspath(plain) if isinstance(plain, str | os.PathLike) else None
+    if not isinstance(given, str):
+        raise refused(name, value, remedy, TypeError)
+    if not given or "\0" in given:
+        raise refused(name, value, remedy)
+    return Path(given)
+
+
+def or_none(
+    name: str,
+    value: object,
+    check: Callable[Concatenate[str, Any, P], T],
+    *args: P.args,
+    **bounds: P.kwargs,
+) -> T | None:
+    """Return None for None, otherwise what another check returns."""
+    if value is None:
+        return None
+    try:
+        return check(name, value, *args, **bounds)
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{error}, or None") from None
+
+
+def several(
+    name: str,
+    value: object,
+    check: Callable[Concatenate[str, Any, P], T],
+    *args: P.args,
+    **bounds: P.kwargs,
+) -> tuple[T, ...]:
+    """Return the items of an ordered collection, each checked as ``name[i]``; it may be empty."""
+    return tuple(
+        check(f"{name}[{i}]", item, *args, **bounds) for i, item in enumerate(listed(name, value))
+    )
+
+
+def listed(name: str, value: object) -> tuple[Any, ...]:
+    """Return the items of an ordered collection: text, mappings and sets are none."""
+    loose = isinstance(value, str | bytes | bytearray | Mapping | set | frozenset | type)
+    if isinstance(value, Iterable) and not loose and getattr(value, "shape", None) != ():
+        return tuple(value)
+    raise refused(name, value, "give a list", TypeError)
+
+
+def names(name: str, value: object) -> tuple[str, ...]:
+    """Return the names of a list, each of them text and none of them twice."""
+    given = several(name, value, text)
+    twice = next((one for i, one in enumerate(given) if one in given[:i]), None)
+    if twice is not None:
+        raise refused(name, given, f"name each once, not {twice!r} twice")
+    return given
+
+
+def array(
+    name: str, value: object, shape: tuple[int | str, ...] | None = None, *, finite: bool = True
+) -> FloatArray:
+    """Return real numbers as a float array of a shape; a letter stands for any length.
+
+    Parameters
+    ----------
+    name, value
+        The argument: an array, or lists of numbers; text, booleans, dates, complex numbers and
+        masked entries are no numbers.
+    shape
+        For example ("n", 3); None for any.
+    finite
+        Whether NaN and infinity are refused.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an entry is no such number, or the shape differs.
+    """
+    size = (
+        ""
+        if shape is None
+        else f" of shape ({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
+    )
+    remedy = f"give {'finite ' if finite else ''}real numbers{size}"
+    try:
+        given = np.asanyarray(value)
+    except (TypeError, ValueError, OverflowError):  # lists of different lengths
+        raise refused(name, value, remedy) from None
+    if given.dtype.kind == "O":
+        given = np.array(
+            [real(name, item, finite=False) for item in given.ravel().tolist()], dtype=np.float64
+        ).reshape(given.shape)
+    if given.dtype.kind not in "iuf" and given.size:
+        raise refused(name, value, remedy, TypeError)
+    if np.ma.is_masked(given):
+        raise refused(name, value, f"{remedy}, none of them masked")
+    if shape is not None and (
+        given.ndim != len(shape)
+        or any(isinstance(n, int) and n != m for n, m in zip(shape, given.shape, strict=True))
+    ):
+        raise refused(name, value, f"{remedy}, not {given.shape}")
+    numbers = np.asarray(given, dtype=np.float64)
+    if finite and not np.isfinite(numbers).all():
+        raise refused(name, value, remedy)
+    return numbers
+
+
+def keep(
+    record: object,
+    name: str,
+    check: Callable[Concatenate[str, Any, P], object],
+    *args: P.args,
+    **bounds: P.kwargs,
+) -> None:
+    """Check a field of a frozen record and keep what the check returns."""
+    object.__setattr__(record, name, check(name, getattr(record, name), *args, **bounds))
+
+
+def refused(name: str, value: object, remedy: str, kind: type[Exception] = ValueError) -> Exception:
+    """Return the error that says ``name = value: remedy``."""
+    return kind(f"{name} = {shown(value)}: {remedy}")
+
+
+def shown(value: object) -> str:
+    """Return a value as text of one short line, whatever its own text does."""
+    try:
+        return " ".join(_SHORT.repr(value).split())
+    except Exception:  # such as an integer of more digits than Python prints
+        return f"<{type(value).__name__}>"
+
+
+def _plain(value: object) -> Any:
+    """Return a scalar or array of no dimensions of NumPy as Python's, anything else as it is."""
+    if isinstance(value, np.ma.MaskedArray):
+        return value  # the number under a mask is none
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return value if value.dtype.kind in "mMV" else value.item()  # dates are no numbers
+    return value
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real | Decimal) and not isinstance(value, bool | np.timedelta64)
