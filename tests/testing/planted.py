@@ -13,7 +13,15 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.evaluation import FailedRunError
-from uqfold.methods import Estimate, Kriging, MonteCarlo, ReliabilityMethod, Solution, Task
+from uqfold.methods import (
+    Estimate,
+    Kriging,
+    MonteCarlo,
+    PolynomialChaos,
+    ReliabilityMethod,
+    Solution,
+    Task,
+)
 from uqfold.methods.ask_tell import Steps
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.kriging import KernelChoice, Trend
@@ -118,6 +126,63 @@ class FixedSeed(_FromMonteCarlo):
 
     def _task(self, task: Task) -> Task:
         return replace(task, seed=0)
+
+
+@dataclass(frozen=True)
+class SurfaceOfOneSeed(PolynomialChaos):
+    """A surface, exact on a linear system, that ignores the seed."""
+
+    name: ClassVar[str] = "planted"
+
+    def _steps(self, task: Task) -> Steps:
+        return super()._steps(replace(task, seed=0))
+
+
+@dataclass(frozen=True)
+class SurfaceOfHiddenSeed(PolynomialChaos):
+    """A surface, exact on a linear system, that depends on a seed without saying so."""
+
+    name: ClassVar[str] = "planted"
+
+    @property
+    def stochastic(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True)
+class NeverAnswers(ReliabilityMethod):
+    """Gives no number, so that all of its seeds agree."""
+
+    name: ClassVar[str] = "planted"
+
+    def _solve(self, task: Task) -> Solution:
+        return Solution([Estimate.without_answer("failed", "planted")] * len(task.criteria))
+
+
+@dataclass(frozen=True)
+class HiddenSeedOfTheError(FFNIPearson):
+    """The same pf with every seed, with an error that depends on it, without saying so."""
+
+    name: ClassVar[str] = "planted"
+
+    def _solve(self, task: Task) -> Solution:
+        honest = super()._solve(task)
+        error = 1e-3 + 1e-6 * task.seed
+        return Solution(
+            [replace(e, std_error=error, error_kind="sampling") for e in honest.estimates]
+        )
+
+
+@dataclass(frozen=True)
+class ExactOnALinearSystem(PolynomialChaos):
+    """No fault: a surface whose answers are shown without their last, accidental digits."""
+
+    name: ClassVar[str] = "planted"
+
+    def _steps(self, task: Task) -> Steps:
+        honest = yield from super()._steps(task)
+        rounded = [replace(e, pf=round(e.pf, 10), reliability=None) for e in honest.estimates]
+        return Solution(rounded, honest.details)
 
 
 @dataclass(frozen=True)
@@ -293,6 +358,10 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (RemembersRuns, "same_seed_same_answer"),
     (MutableSettings, "same_seed_same_answer"),
     (FixedSeed, "other_seed_other_answer"),
+    (SurfaceOfOneSeed, "other_seed_other_answer"),
+    (SurfaceOfHiddenSeed, "other_seed_other_answer"),
+    (HiddenSeedOfTheError, "other_seed_other_answer"),
+    (NeverAnswers, "other_seed_other_answer"),
     (GlobalRandomness, "same_answer_in_a_fresh_process"),
     (GlobalRandomness, "problem_is_left_alone"),
     (NeverCertain, "certain_outcomes"),

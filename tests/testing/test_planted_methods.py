@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.testing.planted import PLANTED, Honest, OverConfidentSurface
+from tests.testing.planted import PLANTED, ExactOnALinearSystem, Honest, OverConfidentSurface
 from uqfold.methods import ReliabilityMethod
 from uqfold.testing import CHECKS, ContractError, check_method
 
@@ -25,3 +25,10 @@ def test_control_without_a_fault_passes_every_check() -> None:
 
 def test_every_check_has_been_seen_to_fail() -> None:
     assert {check for _, check in PLANTED} == set(CHECKS)
+
+
+def test_seeds_that_agree_on_a_linear_system_are_no_fault() -> None:
+    # there the expansion is exact: what the contract saw of the seed was the rounding of one
+    # processor
+    check = "other_seed_other_answer"
+    assert check_method(ExactOnALinearSystem(), only=[check]) == [check]
