@@ -36,10 +36,17 @@ def test_verdict_of_one_finding(finding: Finding, verdict: str | None) -> None:
 
 
 def test_verdict_of_a_claim() -> None:
-    assert verdict_of([KEPT, QUOTED, UNKNOWN]) == "holds"
+    assert verdict_of([KEPT, QUOTED]) == "holds"
     assert verdict_of([KEPT, BROKEN]) == "does not hold"
     assert verdict_of([QUOTED, UNKNOWN]) == "cannot be judged"
     assert verdict_of([]) == "cannot be judged"
+
+
+def test_one_finding_that_holds_does_not_outweigh_one_that_cannot_be_judged() -> None:
+    near = Finding("a", 1.8, 2.0, uncertainty=0.5)
+    for unjudged in (near, UNKNOWN):
+        assert verdict_of([KEPT, KEPT, unjudged]) == "cannot be judged"
+        assert verdict_of([KEPT, unjudged, BROKEN]) == "does not hold"
 
 
 def test_words() -> None:

@@ -21,7 +21,7 @@ def full_record(**changes: object) -> CaseRecord:
         Finding("largest difference", 1 / 3e6, 2e-6, "s"),
         Finding("order", 4.1, 3.8, at_least=True, uncertainty=0.1, remark="fitted line"),
         Finding("wings", 60),
-        Finding("peaks", remark="figures only"),
+        Finding("peaks", 3, remark="quoted only"),
     )
     table = Table.of(
         "times",

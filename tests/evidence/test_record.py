@@ -21,6 +21,17 @@ def test_verdict_rests_on_this_tier_and_on_the_full_one_of_the_same_code() -> No
     assert full_record(stored=None, measurement=Measurement(BROKEN)).verdict == "does not hold"
 
 
+def test_the_full_tier_judges_what_a_shorter_one_cannot() -> None:
+    near, other = Finding("more", 1.9, 2.0, uncertainty=0.5), Finding("less", 1.9, 2.0)
+    record = full_record(measurement=Measurement((near, other)))
+    assert record.stored is not None
+    assert record.verdict == "holds"
+    assert record.judged == (other, *record.stored.findings)
+    assert full_record(measurement=Measurement((near, other)), stored=None).verdict != "holds"
+    coarse = dataclasses.replace(record.stored, findings=(near,))
+    assert full_record(measurement=record.measurement, stored=coarse).verdict != "holds"
+
+
 def test_a_measurement_that_ended_in_an_error_judges_nothing() -> None:
     record = full_record(error="ValueError: no data", measurement=Measurement(()))
     assert record.verdict == "cannot be judged"

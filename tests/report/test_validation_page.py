@@ -63,7 +63,7 @@ def test_the_summary_says_what_holds_and_what_does_not_and_why() -> None:
     assert "3 of 3 faults planted on purpose were noticed" in said["What was checked?"][1]
     assert said["What holds?"] == (
         "1 of 4 hold",
-        "1 does not hold. 2 cannot be judged. 3 of 6 limits are kept; 2 cannot be judged.",
+        "1 does not hold. 2 cannot be judged. 3 of 5 limits are kept; 1 cannot be judged.",
         "bad",
     )  # fmt: skip
     answer, why, tone = said["What does not hold, and why?"]

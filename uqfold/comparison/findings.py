@@ -2,6 +2,8 @@
 
 >>> verdict_of([Finding("largest difference", 3e-7, 2e-6, "s"), Finding("wings", 60)])
 'holds'
+>>> verdict_of([Finding("largest difference", 3e-7, 2e-6, "s"), Finding("peaks, in figures only")])
+'cannot be judged'
 >>> Finding("largest difference", 3e-7, 2e-6, "s").words
 'largest difference: 3e-07 s (at most 2e-06 s)'
 """
@@ -14,6 +16,12 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 Verdict: TypeAlias = Literal["holds", "does not hold", "cannot be judged"]
+
+VERDICT_RULE = (
+    "A claim holds if at least one limit was judged and every one is kept; it does not hold if one "
+    "is broken; otherwise, as soon as one of them cannot be judged, neither can the claim."
+)
+"""The rule that `verdict_of` applies."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +98,15 @@ class Finding:
 
 
 def verdict_of(findings: Iterable[Finding]) -> Verdict:
-    """Verdict of a claim: one broken limit breaks it; where nothing was judged, nothing holds."""
-    verdicts = {finding.verdict for finding in findings}
+    """Verdict of a claim by the one rule for all of them, `VERDICT_RULE`.
+
+    Findings that are only quoted do not count. A claim about most of several things is one finding:
+    their share, with a lower limit.
+    """
+    verdicts = {finding.verdict for finding in findings} - {None}
     if "does not hold" in verdicts:
         return "does not hold"
-    return "holds" if "holds" in verdicts else "cannot be judged"
+    return "holds" if verdicts == {"holds"} else "cannot be judged"
 
 
 def number(value: float) -> str:

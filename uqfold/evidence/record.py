@@ -147,10 +147,17 @@ class CaseRecord:
     def judged(self) -> tuple[Finding, ...]:
         """The findings that the verdict rests on.
 
-        Those of the full tier count beside those measured now while the code is the same.
+        Those of the full tier count beside those measured now while the code is the same, and
+        replace those that a shorter tier measures too coarsely to judge.
         """
-        stored = self.stored
-        return self.findings + (stored.findings if stored is not None and stored.current else ())
+        stored = self.stored.findings if self.stored is not None and self.stored.current else ()
+        settled = {one.what for one in stored if one.verdict in ("holds", "does not hold")}
+        own = (
+            one
+            for one in self.findings
+            if one.verdict != "cannot be judged" or one.what not in settled
+        )
+        return (*own, *stored)
 
     @property
     def verdict(self) -> Verdict:

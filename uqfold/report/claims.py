@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from uqfold.comparison.claims import JudgedClaim
-from uqfold.comparison.findings import Finding
+from uqfold.comparison.findings import VERDICT_RULE, Finding
 
 COMMAND = "uqfold study claims"
 
@@ -27,8 +27,9 @@ def claims_page(judged: Sequence[JudgedClaim]) -> str:
     blocks = [
         "# What the paper claims, and what the studies say",
         f"Written by `{COMMAND}` from the results of the studies; nothing here is typed. Of "
-        f"{len(judged)} claims: {summary}. A claim does not hold when one number breaks its rule, "
-        "and cannot be judged when its numbers are smaller than their own uncertainty.",
+        f"{len(judged)} claims: {summary}. {VERDICT_RULE} "
+        "A limit within a number's own uncertainty cannot be judged; numbers without a limit are "
+        "only quoted.",
         "\n".join(
             [
                 "| claim | where | verdict |",

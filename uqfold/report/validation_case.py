@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from uqfold.comparison.findings import VERDICT_RULE
 from uqfold.evidence.record import CaseRecord
 from uqfold.report.evidence_blocks import (
     VERDICT_TONES,
@@ -59,7 +60,7 @@ def _case_blocks(record: CaseRecord) -> Iterator[Block]:
             ("its uncertainty", record.uncertainty),
             ("its source", record.source),
             ("tolerance", record.tolerance),
-            ("verdict rule", record.verdict_rule),
+            ("verdict rule", f"{record.verdict_rule} {VERDICT_RULE}"),
         )
     )
     if record.findings:

@@ -274,8 +274,9 @@ def _reading() -> Section:
                     ("does not hold", "one limit or more is broken"),
                     (
                         "cannot be judged",
-                        "no limit could be judged: the numbers lie closer to it than their own "
-                        "uncertainty, or nobody here can measure them, or the measurement failed",
+                        "no limit is broken, but one at least cannot be judged (the number lies "
+                        "closer to it than its own uncertainty, or nobody here can measure it), or "
+                        "there is none, or the measurement failed",
                     ),
                     (
                         "planted fault",

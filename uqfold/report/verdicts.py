@@ -62,15 +62,13 @@ def reasons(record: CaseRecord) -> list[str]:
     """Say why a case does not hold, or cannot be judged."""
     said = [record.error] if record.error else []
     if record.verdict != "holds" and not record.error:
-        wanted = record.verdict
-        said += [one.words for one in record.findings if one.verdict == wanted]
         stored = record.stored
-        if stored is not None and stored.current:
-            said += [
-                f"full tier, {stored.date[:10]}: {one.words}"
-                for one in stored.findings
-                if one.verdict == wanted
-            ]
+        of_full = len(stored.findings) if stored is not None and stored.current else 0
+        own = len(record.judged) - of_full
+        for i, one in enumerate(record.judged):
+            if one.verdict == record.verdict:
+                full = f"full tier, {stored.date[:10]}: " if stored is not None and i >= own else ""
+                said.append(f"{full}{one.words}")
     said += [f"the planted fault {one.name!r} went unnoticed" for one in record.missed_faults]
     return said
 
