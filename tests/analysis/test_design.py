@@ -90,7 +90,7 @@ def test_smallest_mean_of_an_input(method: Kriging | FFNIPearson) -> None:
     design = design_input(
         problem, criterion, TARGET, "W", (1.0, 4.0), method=method, points=9, rng=1
     )
-    assert design.status == "found"
+    assert design.status == ("found" if method.name == "kriging" else "unchecked")
     assert design.value == pytest.approx(exact, abs=5e-3)
     if method.name == "kriging":
         assert design.low <= exact <= design.high

@@ -65,6 +65,14 @@ def test_round_trip_is_exact_to_the_last_bit(records: Records, tmp_path: Path) -
     pd.testing.assert_frame_equal(read.to_frame(), records.to_frame(), check_exact=True)
 
 
+def test_records_of_earlier_versions_keep_their_statuses(records: Records, tmp_path: Path) -> None:
+    # they called answers without an error converged
+    rows = tuple({**row, "status": "converged"} for row in records.rows if row["label"] == "exact")
+    assert all(math.isnan(row["std_error"]) for row in rows)
+    write_records(replace(records, rows=rows), tmp_path)
+    assert {row["status"] for row in read_records(tmp_path).rows} == {"converged"}
+
+
 def test_frame_of_the_records_is_that_of_compare(tmp_path: Path) -> None:
     written = toy_records()
     write_records(written, tmp_path)

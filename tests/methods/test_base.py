@@ -66,6 +66,32 @@ def test_row_carries_cost_and_identity() -> None:
     assert math.isnan(frame["tau"][0])
 
 
+@pytest.mark.parametrize(
+    ("stated", "status"),
+    [
+        ({}, "unchecked"),
+        ({"std_error": math.inf}, "unchecked"),
+        ({"ci_low": 0.2}, "unchecked"),
+        ({"std_error": 0.01}, "converged"),
+        ({"ci_low": 0.2, "ci_high": 0.3}, "converged"),
+    ],
+)
+def test_converged_without_an_error_becomes_unchecked(
+    stated: dict[str, float], status: str
+) -> None:
+    """A clean status without an error bar misleads: nobody can claim it, plug-ins included."""
+    claimed = Estimate(0.25, status="converged", **stated)
+    row = Scripted(answer=claimed).estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert (row.status, row.pf) == (status, 0.25)
+
+
+def test_a_status_of_nobodys_is_no_answer() -> None:
+    claimed = Estimate(0.25, status="fine")  # type: ignore[arg-type]
+    row = Scripted(answer=claimed).estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert row.status == "failed"
+    assert "'fine'" in row.message
+
+
 def test_exceptions_of_a_method_become_a_status() -> None:
     row = Breaks().estimate(SYSTEM.problem(), criteria(1.0))[0]
     assert row.status == "failed"

@@ -98,6 +98,14 @@ def test_without_any_answer_nothing_is_praised() -> None:
     assert {card.tone for card in found.values()} == {"bad"}
 
 
+def test_answers_without_an_error_are_counted_and_not_called_converged() -> None:
+    card = cards({"one": Told(), "sampled": METHODS["sampled"]})["What failed?"]
+    assert plain(card.answer) == "Nothing"
+    assert plain(card.more[-1]) == "2 of 4 answers are unchecked."
+    assert card.tone == ""
+    assert cards({"sampled": METHODS["sampled"]})["What failed?"].tone == "good"
+
+
 def test_what_is_not_supported_is_no_failure() -> None:
     records = toy_records(methods={"biased": METHODS["biased"]})
     block = summary_blocks(records)[0]

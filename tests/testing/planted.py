@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from uqfold.evaluation import FailedRunError
+from uqfold.evaluation import EvaluationSession, FailedRunError
 from uqfold.methods import (
     Estimate,
     Kriging,
@@ -228,7 +228,9 @@ class NumberWithoutAnswer(_FromMonteCarlo):
     """Gives pf = 0 where it should say that it failed."""
 
     def _spoil(self, estimate: Estimate) -> Estimate:
-        return replace(estimate, pf=0.0, status="converged") if np.isnan(estimate.pf) else estimate
+        if not np.isnan(estimate.pf):
+            return estimate
+        return replace(estimate, pf=0.0, status="converged", std_error=0.0)
 
 
 @dataclass(frozen=True)
@@ -261,6 +263,17 @@ class ReliabilityOfAnother(_FromMonteCarlo):
 
     def _spoil(self, estimate: Estimate) -> Estimate:
         return replace(estimate, reliability=0.5)
+
+
+@dataclass(frozen=True)
+class ConvergedWithoutAnError(_FromMonteCarlo):
+    """Calls an answer converged whose error nobody estimated, past the check of the base."""
+
+    def _checked(self, estimate: Estimate, session: EvaluationSession) -> Estimate:
+        checked, nan = super()._checked(estimate, session), float("nan")
+        if np.isnan(checked.pf):
+            return checked
+        return replace(checked, status="converged", std_error=nan, ci_low=nan, ci_high=nan)
 
 
 @dataclass(frozen=True)
@@ -352,6 +365,7 @@ def _surer(estimate: Estimate) -> Estimate:
 PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (OnlyEqualToItself, "is_a_frozen_record_of_settings"),
     (ReliabilityOfAnother, "rows_are_well_formed"),
+    (ConvergedWithoutAnError, "rows_are_well_formed"),
     (BypassesTheCounter, "evaluations_are_counted_per_sample"),
     (NumberWithoutAnswer, "budget_is_kept"),
     (GlobalRandomness, "same_seed_same_answer"),

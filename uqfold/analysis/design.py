@@ -19,7 +19,9 @@ from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
 
 Seek: TypeAlias = Literal["smallest", "largest"]
-DesignStatus: TypeAlias = Literal["found", "doubtful", "met everywhere", "met nowhere", "failed"]
+DesignStatus: TypeAlias = Literal[
+    "found", "unchecked", "doubtful", "met everywhere", "met nowhere", "failed"
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,8 @@ class Scan:
         pf there (n,) and its interval; the interval is NaN where a method states none.
     notes
         For each value why pf there is doubtful or missing, or an empty text.
+    unchecked
+        Whether nobody estimated the errors of these answers.
     """
 
     values: FloatArray
@@ -41,6 +45,7 @@ class Scan:
     low: FloatArray
     high: FloatArray
     notes: tuple[str, ...]
+    unchecked: bool = False
 
     @classmethod
     def of(cls, values: Sequence[float], rows: Sequence[CriterionResult]) -> Scan:
@@ -56,6 +61,7 @@ class Scan:
                 else ""
                 for row in rows
             ),
+            any(row.status == "unchecked" for row in rows),
         )
 
     def interval(self, value: float) -> tuple[float, float]:
@@ -85,8 +91,9 @@ class Design:
     between
         Range that was looked at.
     status
-        ``found``; ``doubtful`` (found, but the answers next to it are not trusted); ``met
-        everywhere`` and ``met nowhere`` (in the range: there is no value to give); ``failed``.
+        ``found``; ``unchecked`` (found, but the method estimates no error); ``doubtful`` (found,
+        but the answers next to it are not trusted); ``met everywhere`` and ``met nowhere`` (in
+        the range: there is no value to give); ``failed``.
     message
         What a reader has to know besides.
     value
@@ -225,4 +232,6 @@ def located(scan: Scan, target_pf: float, seek: Seek) -> tuple[Crossing, float, 
         if notes:
             message = "; ".join(dict.fromkeys([found.message, *notes])).removeprefix("; ")
             found = Crossing(found.value, "doubtful", message, found.cell)
+        elif scan.unchecked:
+            found = replace(found, status="unchecked")
     return found, low, high

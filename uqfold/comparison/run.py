@@ -199,8 +199,8 @@ def compare(
     ... )
     >>> frame[["label", "n_evals", "status"]]
               label  n_evals     status
-    0      ffni-spa       75  converged
-    1  ffni-pearson       75  converged
+    0      ffni-spa       75  unchecked
+    1  ffni-pearson       75  unchecked
     """
     plan = plan_comparison(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator

@@ -25,6 +25,7 @@ from uqfold.evaluation import (
 from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
 from uqfold.methods.result import (
     NO_ANSWER,
+    STATUSES,
     Estimate,
     ReliabilityResult,
     RunCost,
@@ -278,10 +279,15 @@ class ReliabilityMethod(ABC):
 
     def _checked(self, estimate: Estimate, session: EvaluationSession) -> Estimate:
         """Hold an estimate to the promises that every row makes."""
+        if estimate.status not in STATUSES:
+            message = f"status {estimate.status!r} is not one of {', '.join(STATUSES)}"
+            return Estimate.without_answer("failed", message)
         if estimate.status in NO_ANSWER:
             return replace(estimate, pf=math.nan, reliability=None)
         if not 0.0 <= estimate.pf <= 1.0:
             return Estimate.without_answer("failed", f"pf = {estimate.pf} is not a probability")
+        if estimate.status == "converged" and not estimate.states_an_error:
+            estimate = replace(estimate, status="unchecked")
         if session.n_failed == 0 or session.settings.failed_runs == "count-as-failure":
             return estimate
         if session.n_failed == session.n_evals:
@@ -293,7 +299,7 @@ class ReliabilityMethod(ABC):
             )
         message = f"{estimate.message}; {lost}" if estimate.message else lost
         status = estimate.status
-        if status == "converged" and estimate.pf_high > estimate.pf_low:
+        if status in ("converged", "unchecked") and estimate.pf_high > estimate.pf_low:
             status = "doubtful"
         return replace(estimate, status=status, message=message)
 

@@ -242,7 +242,7 @@ def verdict(search: Search, start: Start, tolerance: float) -> tuple[Status, str
             return "doubtful", f"the limit state has the origin on its far side: {where}"
         if search.cut:
             return "budget_exhausted", f"not checked whether it is the nearest point: {where}"
-        return "converged", ""
+        return "unchecked", ""
     if search.cut and error <= 1.0:
         return "budget_exhausted", f"linearised at {where}, {off}"
     if search.out_of_reach:

@@ -246,7 +246,7 @@ def system_estimates(
             pf_low=found.pf_low,
             pf_high=found.pf_high,
             error_kind="none",
-            status="doubtful" if doubts else "converged",
+            status="doubtful" if doubts else "unchecked",
             message="; ".join(doubts),
         )
 

@@ -58,8 +58,8 @@ class FFNIPearson(ReliabilityMethod):
     Notes
     -----
     A bounded Pearson type ends somewhere; where the threshold lies beyond that end, pf has no
-    contribution from it and the status is ``doubtful``. The method states no error besides that
-    of sampling.
+    contribution from it and the status is ``doubtful``. The method estimates no error besides that
+    of sampling, so that its answers are ``unchecked``.
     """
 
     name: ClassVar[str] = "ffni-pearson"

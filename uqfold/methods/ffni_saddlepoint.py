@@ -51,7 +51,7 @@ class FFNISaddlepoint(ReliabilityMethod):
     Where the cumulants allow no admissible saddlepoint, the Pearson distribution with the same
     moments answers, and the status is ``doubtful`` if that matters. With a synchronization
     threshold the method is ``unsupported``: the approximation gives tails, but no density worth
-    integrating. The method states no error of its own.
+    integrating. The method estimates no error of its own, so that its answers are ``unchecked``.
     """
 
     name: ClassVar[str] = "ffni-spa"

@@ -67,10 +67,10 @@ class OpenTURNSFORM(ReliabilityMethod):
     first check fails, the next algorithm has a go; if the second fails, one more search starts
     where the failure domain came nearer.
 
-    The status is ``converged`` only if all this holds; ``doubtful`` for a point that nearly fits,
-    for signs of several design points (FORM sees one) and for one more than 10 standard
-    deviations away; else ``failed``. A design point elsewhere, off the points that are looked
-    at, stays unseen.
+    The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: neither
+    curvature nor a design point off the points that are looked at is seen. It is ``doubtful`` for
+    a point that nearly fits, for signs of several design points (FORM sees one) and for one more
+    than 10 standard deviations away; else ``failed``.
 
     `max_evals` pays for the gradient at the origin first; what is left is split into equal shares
     for the remaining thresholds, and a share that is not used up goes to the later ones. The

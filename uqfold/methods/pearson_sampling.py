@@ -75,8 +75,8 @@ def sampled_failure(
                 ci_high=min(pf + _NORMAL_95 * spread, 1.0),
                 ci_kind="normal 95 %, sampling only",
                 error_kind="sampling",
-                status="doubtful" if doubts else "converged",
-                message="; ".join(doubts),
+                status="doubtful" if doubts else "unchecked",
+                message="; ".join(doubts) or "only the error of sampling is estimated",
             )
         )
     return estimates

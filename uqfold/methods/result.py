@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -15,7 +15,11 @@ from uqfold.typing import FloatArray
 if TYPE_CHECKING:
     import pandas as pd
 
-Status: TypeAlias = Literal["converged", "budget_exhausted", "doubtful", "unsupported", "failed"]
+Status: TypeAlias = Literal[
+    "converged", "unchecked", "budget_exhausted", "doubtful", "unsupported", "failed"
+]
+STATUSES: tuple[Status, ...] = get_args(Status)
+"""All statuses, from the best to the worst; see ``docs/conventions.md``."""
 ErrorKind: TypeAlias = Literal["sampling", "surrogate", "none"]
 NO_ANSWER: frozenset[str] = frozenset({"unsupported", "failed"})
 
@@ -38,6 +42,9 @@ class Estimate:
         pf with all failed runs counted safe, and all counted failed; None: not computed.
     error_kind
         What `std_error` and the interval cover: ``sampling``, ``surrogate`` or ``none``.
+    status
+        ``converged`` only where the stated error was met or estimated; without a standard error
+        and without an interval the base makes it ``unchecked``.
     n_evals_row
         Runs spent on this criterion alone; None: the whole run's.
     """
@@ -59,6 +66,12 @@ class Estimate:
     def without_answer(cls, status: Literal["unsupported", "failed"], message: str) -> Estimate:
         """Give the row of a criterion that has no answer, and why."""
         return cls(pf=math.nan, status=status, message=message)
+
+    @property
+    def states_an_error(self) -> bool:
+        """Whether it has a standard error or an interval."""
+        interval = math.isfinite(self.ci_low) and math.isfinite(self.ci_high)
+        return interval or math.isfinite(self.std_error)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ NEGLIGIBLE = 1e-6
 """Relative standard error of a reference from which on it is written beside it."""
 STATUS_TONES: dict[str, Tone] = {
     "converged": "good",
+    "unchecked": "",
     "budget_exhausted": "warn",
     "doubtful": "warn",
     "unsupported": "quiet",

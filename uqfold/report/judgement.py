@@ -10,11 +10,12 @@ from statistics import median
 
 from uqfold.comparison.columns import Row
 from uqfold.comparison.records import Records
+from uqfold.methods.result import STATUSES
 from uqfold.report.wording import REFERENCE_STANDARD_ERRORS, criterion_key, finite
 
 RIGHT_WITHIN = 0.10
 """An answer is called right when its error is not larger, or when the reference cannot tell."""
-NOT_CONVERGED = ("budget_exhausted", "doubtful", "failed", "unsupported")
+NOT_CONVERGED = tuple(status for status in STATUSES if status != "converged")
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def spreads(records: Records) -> list[float]:
     """
     answers: dict[object, list[float]] = {}
     for row in records.rows:
-        if row["status"] in ("converged", "budget_exhausted") and row["pf"] > 0.0:
+        if row["status"] != "doubtful" and row["pf"] > 0.0:
             answers.setdefault(criterion_key(row), []).append(row["pf"])
     return [max(own) / min(own) - 1.0 for own in answers.values() if len(own) > 1]
 

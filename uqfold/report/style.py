@@ -64,6 +64,7 @@ BAND_COLOR = "#D9D9D9"
 
 STATUS_STYLES = {
     "converged": "green",
+    "unchecked": "",
     "budget_exhausted": "yellow",
     "doubtful": "yellow",
     "unsupported": "bright_black",

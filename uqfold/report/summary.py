@@ -30,9 +30,10 @@ from uqfold.report.page.blocks import (
     Words,
 )
 from uqfold.report.page.chart import Strip
-from uqfold.report.wording import count_text, percent, seconds_text
+from uqfold.report.wording import UNCHECKED, count_text, percent, seconds_text
 
 _RIGHT = f"{100 * RIGHT_WITHIN:g} %"
+_FAULTS = ("budget_exhausted", "doubtful", "failed")
 _SHARE_TO_NAME = 3
 """Methods named one by one in a card; the table below has them all."""
 STRIP_ENDS = (1e-4, 10.0)
@@ -117,8 +118,11 @@ def _failure_card(judged: Sequence[Judgement]) -> Card:
     rows = total.total()
     lost, refused = total["failed"], total["unsupported"]
     doubted, short = total["doubtful"], total["budget_exhausted"]
+    unchecked = total["unchecked"]
     if rows == total["converged"]:
         return Card(title, "Nothing", (f"All {rows} answers are converged.",), "good")
+    if rows == total["converged"] + unchecked:
+        return Card(title, "Nothing", (_said_of(unchecked, rows),))
     named = [
         (lost, "failed"),
         (doubted, "doubtful"),
@@ -133,10 +137,16 @@ def _failure_card(judged: Sequence[Judgement]) -> Card:
     more = [f"Also {', '.join(f'{count} {name}' for count, name in others)}."] if others else []
     if not first:
         more = [f"{refused} of {rows} answers are outside what a method can do."]
-    guilty = [one.label for one in judged if any(one.statuses[s] for s in NOT_CONVERGED[:3])]
+    guilty = [one.label for one in judged if any(one.statuses[s] for s in _FAULTS)]
     if guilty:
         more.append(f"Concerns {_listed(guilty)}.")
+    if unchecked:
+        more.append(_said_of(unchecked, rows))
     return Card(title, answer, tuple(more), tone)
+
+
+def _said_of(unchecked: int, rows: int) -> str:
+    return f"{unchecked} of {rows} answers are unchecked."
 
 
 def _listed(labels: Sequence[str]) -> str:
@@ -213,6 +223,8 @@ def _status_cell(one: Judgement) -> Cell:
         tone = "warn"
     elif one.statuses["unsupported"]:
         tone = "quiet"
+    elif one.statuses["unchecked"]:
+        tone = ""
     return Cell(text or "converged", tone=tone)
 
 
@@ -225,4 +237,6 @@ def _legend(judged: Sequence[Judgement]) -> Paragraph:
             f"from {low} to {high}; the dashed line is {_RIGHT}. A criterion counts as within "
             "that also where two standard errors of the reference are more."
         )
+    if any(one.statuses["unchecked"] for one in judged):
+        said += f" Unchecked: {UNCHECKED}."
     return Paragraph(said, small=True)

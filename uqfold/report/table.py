@@ -18,6 +18,7 @@ from uqfold.comparison.records import Records
 from uqfold.report.style import STATUS_STYLES
 from uqfold.report.wording import (
     NO_VALUE,
+    UNCHECKED,
     count_text,
     criterion_key,
     criterion_text,
@@ -206,6 +207,8 @@ def _legend_lines(
         legend.append(("interval", ", ".join(intervals)))
     if any(_interval(row, full=True) == "none" for row in rows):
         legend.append(("none", "the method gives no error of its own"))
+    if any(row["status"] == "unchecked" for row in rows):
+        legend.append(("unchecked", UNCHECKED))
     if any(not math.isnan(row["error"]) for row in rows):
         legend.append(("error", "|pf - reference| / reference, Eq. (49)"))
     if any(row["error"] <= reference_resolution(row) for row in rows):

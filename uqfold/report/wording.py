@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from uqfold.comparison.columns import Row
 
 NO_VALUE = "-"
+UNCHECKED = "nobody estimated the error of the answer"
+"""What the status ``unchecked`` means."""
 REFERENCE_STANDARD_ERRORS = 2.0
 """Width of the band in which a reference cannot tell an estimate from the truth."""
 

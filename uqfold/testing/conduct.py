@@ -11,7 +11,7 @@ from dataclasses import FrozenInstanceError, fields, is_dataclass
 import numpy as np
 
 from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.result import NO_ANSWER, ReliabilityResult, reliability_index
+from uqfold.methods.result import NO_ANSWER, STATUSES, ReliabilityResult, reliability_index
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, criteria
 from uqfold.testing.curved import CurvedSystem
@@ -19,7 +19,6 @@ from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.testing.verdict import Settings, demand
 from uqfold.typing import FloatArray
 
-STATUSES = {"converged", "budget_exhausted", "doubtful", "unsupported", "failed"}
 SMALL_BUDGET = 4_000
 
 
@@ -110,6 +109,11 @@ def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
         if math.isfinite(row.ci_low) or math.isfinite(row.ci_high):
             demand(row.ci_low <= row.pf <= row.ci_high, where + "pf outside its interval")
             demand(bool(row.ci_kind), where + "an interval without saying of what kind")
+        states = math.isfinite(row.std_error) or math.isfinite(row.ci_low + row.ci_high)
+        demand(
+            states or row.status != "converged",
+            where + 'status "converged" without a standard error and without an interval',
+        )
         if row.error_kind == "none":
             demand(math.isnan(row.std_error), where + 'error_kind "none" with a standard error')
 

@@ -10,7 +10,7 @@ from uqfold.comparison.records import replacing
 from uqfold.comparison.studies.results import FOLDER, ResultsRecord
 from uqfold.comparison.studies.study import Spec, Study
 from uqfold.report.studies.exhibits import FIGURES_FOLDER
-from uqfold.report.wording import count_text, seconds_text
+from uqfold.report.wording import UNCHECKED, count_text, seconds_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,7 +112,8 @@ def _notes(study: Study, results: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     for run in study.runs:
         frame = results[run.name]
         for row in frame[frame["status"] != "converged"].to_dict("records"):
-            note = f"{row['label']}, {row['status']}: {row['message']}"
+            why = row["message"] or UNCHECKED
+            note = f"{row['label']}, {row['status']}: {why}"
             said[note] = said.get(note, 0) + 1
     if not said:
         return
