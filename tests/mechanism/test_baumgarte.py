@@ -133,6 +133,8 @@ def test_runs_to_the_time_limit_without_a_lock():
         ({"tolerance": 0.0}, "tolerance = 0.0"),
         ({"alpha": -1.0}, "alpha = -1.0"),
         ({"beta": math.nan}, "beta = nan"),
+        ({"beta": 1e300}, r"beta = 1e\+300"),
+        ({"tolerance": 1e-3}, r"tolerance = 0.001: give a number in \(0, 1e-05\]"),
     ],
 )
 def test_bad_calls_are_refused(arguments, message):

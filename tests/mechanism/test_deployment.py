@@ -19,7 +19,7 @@ from uqfold.mechanism import (
     ideal_deployment_times,
 )
 from uqfold.mechanism.compiled import fingerprint
-from uqfold.mechanism.deployment import deploy_rows
+from uqfold.mechanism.deployment import COARSEST_TOLERANCE, FINEST_TOLERANCE, deploy_rows
 from validation.mechanism import independent
 
 TABLE_6 = WingParameters(C_r=0.0015)
@@ -205,14 +205,34 @@ def test_the_cache_is_keyed_by_every_source_of_the_room():
     [
         ({"tolerance": 0.0}, "tolerance = 0.0"),
         ({"tolerance": math.nan}, "tolerance = nan"),
+        ({"tolerance": 2e-4}, r"tolerance = 0.0002: give a number of metres in \[1e-16, 0.0001\]"),
+        ({"tolerance": 1e-300}, "tolerance = 1e-300"),
+        ({"tolerance": "1e-7"}, "tolerance = '1e-7'"),
+        ({"threads": True}, "threads = True"),
+        ({"V_q": ["120"]}, r"V_q = \['120'\]: give real numbers"),
+        ({"C_r": [True]}, r"C_r = \[True\]: give real numbers"),
+        ({"C_r": np.ma.array([0.001], mask=[True])}, "none of them masked"),
+        ({"parameters": 5}, r"parameters = 5: give WingParameters"),
         ({"threads": 0}, "threads = 0"),
         ({"V_q": [[1.0]]}, r"V_q has shape \(1, 1\)"),
         ({"V_q": [1.0, 2.0], "b": [1.0, 2.0, 3.0]}, "lengths differ"),
     ],
 )
 def test_bad_calls_are_refused(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        deployment_times(TABLE_6, **arguments)
+    with pytest.raises((ValueError, TypeError), match=message):
+        deployment_times(**{"parameters": TABLE_6, **arguments})
+
+
+def test_no_tolerance_that_is_accepted_gives_another_time():
+    """Tolerances of 0.1, 1 and 100 m were accepted, for inf, 1.06 s and 0.66 s, not 0.535."""
+    finest, coarsest = (
+        deployment_times(TABLE_6, tolerance=tolerance)[0]
+        for tolerance in (FINEST_TOLERANCE, COARSEST_TOLERANCE)
+    )
+    assert coarsest == pytest.approx(finest, abs=1e-3)
+    for tolerance in (0.1, 1, 100):
+        with pytest.raises(ValueError, match=f"tolerance = {tolerance}"):
+            deployment_times(TABLE_6, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("times", [deployment_times, ideal_deployment_times])

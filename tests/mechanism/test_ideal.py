@@ -271,6 +271,7 @@ def test_is_the_low_fidelity_partner_of_the_wing_problem():
     ("arguments", "message"),
     [
         ({"tolerance": -1.0}, "tolerance = -1.0"),
+        ({"tolerance": 0.01}, r"tolerance = 0.01: give a number in \[1e-16, 0.001\]"),
         ({"V_q": [[1.0]]}, r"V_q has shape \(1, 1\)"),
         ({"V_q": [1.0, 2.0], "k_d": [1.0, 2.0, 3.0]}, "lengths differ"),
         ({"C_r": 0.001, "C_r_B": 0.001}, "C_r already sets C_r_B"),

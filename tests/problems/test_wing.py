@@ -115,7 +115,7 @@ def test_example_6_at_the_means_has_the_known_time() -> None:
         ({"standard_deviations": {"k_d": 0.0}}, "k_d = 0.0 N: give a positive, finite number"),
         ({"standard_deviations": {"k_d": math.inf}}, "k_d = inf N: give a positive, finite"),
         ({"means": {"C_r": 10.0}}, "means of its inputs: C_r = 0.01 m leaves no journal"),
-        ({"means": {"V_q": -1.0}}, "means of its inputs: V_q = -1.0 is negative"),
+        ({"means": {"V_q": -1.0}}, "means of its inputs: V_q = -1.0: give a value"),
     ],
 )
 def test_impossible_changes_are_refused(

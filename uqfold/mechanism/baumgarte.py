@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.checks import instance, real
 from uqfold.mechanism.baumgarte_step import (
     dormand_prince_step,
     how_far_beyond,
@@ -31,6 +32,12 @@ from uqfold.mechanism.parameters import WingParameters
 
 BAUMGARTE_TOLERANCE = 1e-10
 """Local error allowed per time step (m, rad)."""
+
+COARSEST_TOLERANCE = 1e-5
+"""Largest local error allowed (m, rad): deployment times are then off by some 0.1 ms."""
+
+STRONGEST = 1e6
+"""Largest stabilization coefficient (1/s): time steps have to follow what it damps."""
 
 MAX_STEPS = 200_000
 """Time steps after which an integration counts as failed; a deployment takes about 4,000."""
@@ -84,9 +91,9 @@ def baumgarte_trajectory(
         The wing.
     alpha, beta : float, optional
         Stabilization coefficients (1/s). The motion does not depend on them beyond the tolerance,
-        only the drift does.
+        only the drift does. From 0 to 1e6.
     tolerance : float, optional
-        Local error allowed per time step (m, rad).
+        Local error allowed per time step (m, rad), at most 1e-5.
 
     Returns
     -------
@@ -96,17 +103,16 @@ def baumgarte_trajectory(
     Raises
     ------
     ValueError
-        If the tolerance is not positive, or alpha or beta is negative.
+        If the tolerance, alpha or beta is out of its bounds.
+    TypeError
+        If an argument has another type.
     RuntimeError
         If the integration fails or takes more than `MAX_STEPS` time steps.
     """
-    if not 0 < tolerance < math.inf:
-        raise ValueError(
-            f"tolerance = {tolerance} is no local error: give a positive number of metres"
-        )
-    for name, value in (("alpha", alpha), ("beta", beta)):
-        if not 0 <= value < math.inf:
-            raise ValueError(f"{name} = {value} stabilizes nothing: give 0 or a positive value")
+    instance("parameters", parameters, WingParameters, "give WingParameters(...)")
+    tolerance = real("tolerance", tolerance, above=0.0, at_most=COARSEST_TOLERANCE)
+    alpha = real("alpha", alpha, at_least=0.0, at_most=STRONGEST)
+    beta = real("beta", beta, at_least=0.0, at_most=STRONGEST)
     limits = np.append(_CORNERS[parameters.t_max > _CORNERS], parameters.t_max)
     rows, locked = _integrate(
         multibody(parameters), initial_coordinates(parameters), limits, alpha, beta, tolerance

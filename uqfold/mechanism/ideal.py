@@ -10,6 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from uqfold.checks import instance, real
 from uqfold.mechanism.compiled import entry_point, fingerprint
 from uqfold.mechanism.ideal_lanes import LANES, follow, resting_lanes, start_lane
 from uqfold.mechanism.parameters import WingParameters
@@ -23,6 +24,9 @@ from uqfold.mechanism.wing import (
 
 IDEAL_TOLERANCE = 1e-5
 """Local error allowed per time step, relative to the speed of the motion; see `step`."""
+
+FINEST_TOLERANCE, COARSEST_TOLERANCE = 1e-16, 1e-3
+"""Bounds of the local error: the first is rounding, beyond the second times are off by 0.1 %."""
 
 
 def ideal_deployment_times(
@@ -41,7 +45,7 @@ def ideal_deployment_times(
     parameters : WingParameters
         Values of all parameters that are not given per sample. Joints and contact do not matter.
     tolerance : float, optional
-        Local error allowed per time step, relative to the size of the motion.
+        Local error allowed per time step, relative to the size of the motion, from 1e-16 to 1e-3.
     **samples : array_like, shape (n,) or scalar
         Values per sample, by the names of `uqfold.mechanism.wing.Samples`, in place of those in
         `parameters`. Clearances change no time, but an impossible one makes its sample impossible.
@@ -56,9 +60,9 @@ def ideal_deployment_times(
     Raises
     ------
     ValueError
-        If the shapes do not fit, a field is given twice, or the tolerance is not positive.
+        If the shapes do not fit, a field is given twice, or the tolerance is out of its bounds.
     TypeError
-        If a name is none of `Samples`.
+        If a name is none of `Samples`, or a value is no number.
 
     Examples
     --------
@@ -67,11 +71,11 @@ def ideal_deployment_times(
     >>> [f"{t:.3f}" for t in times]
     ['inf', '0.536']
     """
-    if not 0 < tolerance < math.inf:
-        raise ValueError(f"tolerance = {tolerance} is no local error: give a positive number")
+    instance("parameters", parameters, WingParameters, "give WingParameters(...)")
+    tolerance = real("tolerance", tolerance, at_least=FINEST_TOLERANCE, at_most=COARSEST_TOLERANCE)
     rows = sample_table(parameters, samples)
     times = np.empty(len(rows))
-    _deploy(shared_parameters(parameters), rows, float(tolerance), times)
+    _deploy(shared_parameters(parameters), rows, tolerance, times)
     return times
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from uqfold.checks import choice, real
 from uqfold.mechanism.scales import (
     LEAST_CLEARANCE,
     LONGEST_ARMS,
@@ -18,6 +19,10 @@ from uqfold.mechanism.scales import (
 if TYPE_CHECKING:
     from uqfold.mechanism.parameters import WingParameters
 
+LARGEST = 1e30
+"""Largest value of any parameter in SI units, and what its inverse may be: far beyond any wing, and
+products of a few neither overflow nor vanish."""
+
 _NOT_NEGATIVE = {"V_q", "C_0", "rho_a", "C_f", "friction_v_0", "friction_v_1"}
 _ANY_SIGN = {"c", "k_d", "delta", "theta_1_initial", "x_lock"}
 
@@ -27,34 +32,22 @@ def checked(name: str, value: Any, choices: Mapping[str, tuple[str, ...]]) -> fl
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If it cannot.
     """
     if name in choices:
-        if value not in choices[name]:
-            raise ValueError(
-                f"{name} = {value!r} is unknown: choose one of {', '.join(choices[name])}"
-            )
-        return str(value)
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(
-            f"{name} = {value!r} is not a number: give one value in SI units"
-        ) from None
-    if not math.isfinite(number):
-        raise ValueError(f"{name} = {value} is not finite: give a finite value")
+        return choice(name, value, choices[name])
     if name.startswith("nu_"):
-        if not -1 < number <= 0.5:
-            raise ValueError(
-                f"{name} = {value} is no Poisson's ratio: give a value above -1 and up to 0.5"
-            )
-    elif name in _NOT_NEGATIVE:
-        if number < 0:
-            raise ValueError(f"{name} = {value} is negative: give 0 or a positive value")
-    elif name not in _ANY_SIGN and number <= 0:
-        raise ValueError(f"{name} = {value} is not positive: give a value above 0")
-    return number
+        return real(name, value, above=-1.0, at_most=0.5, what="Poisson's ratio")
+    number = real(name, value, what="value in SI units")
+    if name in _ANY_SIGN:
+        return real(name, number, at_least=-LARGEST, at_most=LARGEST, what="value in SI units")
+    if name in _NOT_NEGATIVE:
+        real(name, number, at_least=0.0, what="value in SI units")
+    else:
+        real(name, number, above=0.0, what="value in SI units")
+        real(name, number, at_least=1.0 / LARGEST, what="value in SI units")
+    return real(name, number, at_most=LARGEST, what="value in SI units")
 
 
 def check_joints(wing: WingParameters) -> None:

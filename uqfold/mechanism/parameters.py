@@ -130,7 +130,7 @@ class WingParameters:
         the field, the value and the remedy. Also if a field is given by its own and by the common
         name.
     TypeError
-        If a name is neither a field nor one of the common names.
+        If a value has another type, or a name is neither a field nor one of the common names.
 
     Examples
     --------

@@ -12,7 +12,8 @@ from uqfold.mechanism.deployment import (
     DEFAULT_TOLERANCE,
     GIVEN_UP,
     FloatArray,
-    check_tolerance,
+    check_wing,
+    checked_tolerance,
     deploy_rows,
     warn_of_rough,
 )
@@ -102,7 +103,7 @@ def trajectory(parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERAN
     parameters : WingParameters
         The wing.
     tolerance : float, optional
-        Local error allowed per time step (m), in the position of the joints.
+        Local error allowed per time step (m), in the position of the joints, from 1e-16 to 1e-4.
 
     Returns
     -------
@@ -112,28 +113,31 @@ def trajectory(parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERAN
     Raises
     ------
     ValueError
-        If the tolerance is not positive.
+        If the tolerance is out of its bounds.
+    TypeError
+        If an argument has another type.
 
     Warns
     -----
     RuntimeWarning
         If even implicit steps could not follow the motion with its error under control.
     """
-    check_tolerance(tolerance)
+    check_wing(parameters)
+    tolerance = checked_tolerance(tolerance)
     shared = shared_parameters(parameters)
     sample = sample_parameters(parameters)
     samples = np.array([sample])
     times = np.empty(1)
-    steps = deploy_rows(shared, samples, float(tolerance), times, NO_RECORD)
+    steps = deploy_rows(shared, samples, tolerance, times, NO_RECORD)
     if times[0] == GIVEN_UP:
-        _, rough, steps = deploy_stiff(shared, samples[0], float(tolerance), NO_RECORD)
+        _, rough, steps = deploy_stiff(shared, samples[0], tolerance, NO_RECORD)
         record = np.empty((steps + 1, RECORD_WIDTH))
-        times[0] = deploy_stiff(shared, samples[0], float(tolerance), record)[0]
+        times[0] = deploy_stiff(shared, samples[0], tolerance, record)[0]
         if rough:
             warn_of_rough(1, 1)
     else:
         record = np.empty((steps + 1, RECORD_WIDTH))
-        deploy_rows(shared, samples, float(tolerance), times, record)
+        deploy_rows(shared, samples, tolerance, times, record)
     contact = np.empty((steps + 1, 2, 4))
     energy = np.zeros((steps + 1, 8))
     _audit(shared, sample, record, _NODES, _WEIGHTS, contact, energy)

@@ -38,7 +38,7 @@ def motion_table(
 
     Raises
     ------
-    ValueError, RuntimeError
+    ValueError, TypeError
         As `trajectory`.
     """
     m = trajectory(parameters, tolerance=tolerance)

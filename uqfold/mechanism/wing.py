@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uqfold.checks import array
 from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.contact import hertz_stiffness, hysteresis_factor
 from uqfold.mechanism.loads import drag_coefficient, gravity_force
@@ -158,7 +159,7 @@ def sample_table(parameters: WingParameters, given: Samples) -> NDArray[np.float
     ValueError
         If the shapes do not fit, or a field is given twice.
     TypeError
-        If a name is none of `Samples`.
+        If a name is none of `Samples`, or a value is no number.
     """
     unknown = given.keys() - Samples.__annotations__.keys()
     if unknown:
@@ -166,15 +167,21 @@ def sample_table(parameters: WingParameters, given: Samples) -> NDArray[np.float
             f"{', '.join(sorted(unknown))}: no parameter that may differ between samples; those "
             f"are {', '.join(Samples.__annotations__)}"
         )
-    values_of = spread({name: values for name, values in given.items() if values is not None})
-    columns = {}
-    for name in SampleParameters._fields:
-        column = np.asarray(values_of.get(name, getattr(parameters, name)), dtype=float)
-        if column.ndim > 1:
+    checked = {
+        name: array(name, values, finite=False)
+        for name, values in given.items()
+        if values is not None
+    }
+    for name, values in checked.items():
+        if values.ndim > 1:
             raise ValueError(
-                f"{name} has shape {column.shape}: give a scalar or an array of shape (n,)"
+                f"{name} has shape {values.shape}: give a scalar or an array of shape (n,)"
             )
-        columns[name] = np.atleast_1d(column)
+    values_of = spread(checked)
+    columns = {
+        name: np.atleast_1d(values_of.get(name, np.asarray(getattr(parameters, name))))
+        for name in SampleParameters._fields
+    }
     lengths = {name: len(column) for name, column in columns.items() if len(column) != 1}
     if len(set(lengths.values())) > 1:
         raise ValueError(f"the lengths differ, {lengths}: give scalars or arrays of one length")
