@@ -49,14 +49,19 @@ class DesignRuns:
         return bool(self.finite.all())
 
     @property
+    def failed(self) -> bool:
+        """Whether a run failed: any response there, and with it any surface, is possible."""
+        return bool(np.isnan(self.y).any())
+
+    @property
     def fittable(self) -> bool:
         """Whether there are enough finite responses to fit a surface to."""
         return int(self.finite.sum()) > int(self.u.shape[1]) + 1
 
     def without_surface(self, task: Task) -> Solution:
-        """Answer where hardly any response is finite: if all are +inf, every criterion fails."""
-        if np.isposinf(self.y).all():
-            return Solution([_never(criterion, self) for criterion in task.criteria])
+        """Answer where hardly any response is finite; if all are the same infinity, it decides."""
+        if np.isinf(self.y).all() and np.unique(self.y).size == 1:
+            return Solution([_infinite(criterion, self) for criterion in task.criteria])
         message = (
             f"only {int(self.finite.sum())} of {self.y.size} responses are finite: too few for a "
             f"surface over {self.u.shape[1]} inputs"
@@ -127,13 +132,14 @@ def design_runs(
     return DesignRuns(u, y, asked)
 
 
-def _never(criterion: Criterion, runs: DesignRuns) -> Estimate:
-    """Answer where the model gave nothing but +inf."""
-    response = ConditionalResponse(None, p_never=1.0)
+def _infinite(criterion: Criterion, runs: DesignRuns) -> Estimate:
+    """Answer where the model gave nothing but +inf, or nothing but -inf."""
+    never = bool(runs.y[0] > 0.0)
+    response = ConditionalResponse(None, p_never=float(never), p_always=float(not never))
     found = system_failures([response], [1.0], 1, [criterion])[0]
     return Estimate(
         pf=found.pf,
         reliability=found.reliability,
         status="doubtful",
-        message=f"all {runs.y.size} responses are +inf",
+        message=f"all {runs.y.size} responses are {runs.y[0]:+}",
     )

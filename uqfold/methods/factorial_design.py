@@ -24,7 +24,7 @@ from uqfold.moments.cumulants import Moments, moments_from_rule
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import ConditionalResponse, SystemProbability, system_failures
-from uqfold.typing import FloatArray
+from uqfold.typing import BoolArray, FloatArray
 
 Nodes: TypeAlias = int | tuple[int, ...]
 MAX_DESIGN = 50_000_000
@@ -75,6 +75,16 @@ class FFNIDetails:
     p_never: FloatArray
     p_always: FloatArray
     p_missing: FloatArray
+
+    @property
+    def infinite(self) -> float:
+        """Weight of the nodes at which the response is infinite, of either sign."""
+        return float(self.weights @ (self.p_never + self.p_always))
+
+    @property
+    def complete(self) -> BoolArray:
+        """Shared nodes (K,) at which no run failed."""
+        return np.asarray(self.p_missing == 0.0, dtype=bool)
 
     @property
     def responses(self) -> list[ConditionalResponse]:
@@ -216,6 +226,13 @@ def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> Factorial
     return factorial_design(task.problem.inputs, shared, individual)
 
 
+def doubts_about_responses(details: FFNIDetails) -> list[str]:
+    """Say where no moments tell what the responses do."""
+    if details.infinite > 0.0:
+        return [f"infinite responses at nodes of weight {details.infinite:.2g}"]
+    return []
+
+
 def system_estimates(
     task: Task,
     responses: list[ConditionalResponse],
@@ -236,19 +253,29 @@ def system_estimates(
     units = task.problem.n_units
 
     def answer(criterion: Criterion, found: SystemProbability) -> Estimate:
-        doubts = doubts_about(criterion, found)
-        atoms = float(details.weights @ details.p_never)
-        if atoms > 0.0:
-            doubts = [*doubts, f"infinite responses at nodes of weight {atoms:.2g}"]
+        doubts = [*doubts_about(criterion, found), *doubts_about_responses(details)]
+        low, high = bounds(criterion, found)
         return Estimate(
             pf=found.pf,
             reliability=found.reliability,
-            pf_low=found.pf_low,
-            pf_high=found.pf_high,
+            pf_low=low,
+            pf_high=high,
             error_kind="none",
             status="doubtful" if doubts else "unchecked",
             message="; ".join(doubts),
         )
+
+    def bounds(criterion: Criterion, found: SystemProbability) -> tuple[float, float]:
+        if details.complete.all():
+            return found.pf, found.pf
+        # a failed run may have had any response, and then any distribution belongs to its node
+        unknown = ConditionalResponse(None, p_missing=1.0)
+        known = [
+            response if complete else unknown
+            for response, complete in zip(responses, details.complete, strict=True)
+        ]
+        between = system_failures(known, details.weights, units, [criterion])[0]
+        return min(between.pf_low, found.pf), max(between.pf_high, found.pf)
 
     def alone(criterion: Criterion) -> Estimate:
         found = system_failures(responses, details.weights, units, [criterion])[0]

@@ -89,7 +89,7 @@ class FFNIPearson(ReliabilityMethod):
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
         responses, details = conditional_responses(design, task.evaluate(design.x), self._fit)
         if self.rows is not None:
-            sampled = sampled_failure(task, responses, details.weights, self.rows)
+            sampled = sampled_failure(task, responses, details, self.rows)
             return Solution(sampled, details)
 
         def doubts(criterion: Criterion, found: SystemProbability) -> list[str]:

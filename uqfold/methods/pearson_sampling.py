@@ -14,6 +14,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from uqfold.methods.base import Task
+from uqfold.methods.factorial_design import FFNIDetails, doubts_about_responses
 from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import ConditionalResponse
@@ -33,7 +34,7 @@ class _Sampler(Protocol):
 
 
 def sampled_failure(
-    task: Task, responses: list[ConditionalResponse], weights: FloatArray, rows: int
+    task: Task, responses: list[ConditionalResponse], details: FFNIDetails, rows: int
 ) -> list[Estimate]:
     """Estimate every criterion of the task from sampled rows.
 
@@ -41,8 +42,8 @@ def sampled_failure(
     ----------
     task
         Criteria, number of units and seed; each shared node has its own random stream.
-    responses, weights
-        Conditional response and quadrature weight (K,) at each shared node.
+    responses, details
+        From `conditional_responses`.
     rows
         N_0, rows drawn at each node.
 
@@ -52,28 +53,30 @@ def sampled_failure(
         With the standard error of sampling; the error of the quadrature is not in it.
     """
     shape = (len(responses), len(task.criteria))
-    high, low, variance = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    failing, variance = np.zeros(shape), np.zeros(shape)
     for k, response in enumerate(responses):
-        failing = _node(task, response, rows, task.generator(k))
-        high[k], low[k] = failing[0], failing[1]
-        variance[k] = failing[2] / rows
-    never = float(weights @ np.array([response.p_never for response in responses]))
+        failing[k], variance[k] = _node(task, response, rows, task.generator(k))
+    weights, complete = details.weights, details.complete
+    # a failed run may have had any response, and then any distribution belongs to its node
+    lowest = weights @ (failing * complete[:, None])
+    unknown = float(weights @ ~complete)
     estimates = []
     for i in range(len(task.criteria)):
-        pf, error = float(weights @ high[:, i]), math.sqrt(float(weights**2 @ variance[:, i]))
-        doubts = [] if 0.0 < pf < 1.0 else [f"all {rows} rows agree at every node"]
-        if never > 0.0:
-            doubts.append(f"infinite responses at nodes of weight {never:.2g}")
-        spread = error if 0.0 < pf < 1.0 else math.nan
+        pf = min(float(weights @ failing[:, i]), 1.0)
+        error = math.sqrt(float(weights**2 @ variance[:, i]) / rows)
+        certain = not 0.0 < pf < 1.0
+        doubts = [f"all {rows} rows agree at every node"] if certain else []
+        doubts += doubts_about_responses(details)
+        spread = math.nan if certain or unknown > 0.0 else error
         estimates.append(
             Estimate(
-                pf=min(pf, 1.0),
-                pf_low=min(float(weights @ low[:, i]), pf, 1.0),
-                pf_high=min(pf, 1.0),
+                pf=pf,
+                pf_low=min(float(lowest[i]), pf),
+                pf_high=max(min(float(lowest[i]) + unknown, 1.0), pf),
                 std_error=spread,
                 ci_low=max(pf - _NORMAL_95 * spread, 0.0),
                 ci_high=min(pf + _NORMAL_95 * spread, 1.0),
-                ci_kind="normal 95 %, sampling only",
+                ci_kind="" if math.isnan(spread) else "normal 95 %, sampling only",
                 error_kind="sampling",
                 status="doubtful" if doubts else "unchecked",
                 message="; ".join(doubts) or "only the error of sampling is estimated",
@@ -84,27 +87,26 @@ def sampled_failure(
 
 def _node(
     task: Task, response: ConditionalResponse, rows: int, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean failure per criterion, missing runs failing and safe, and the variance of the first."""
+) -> tuple[FloatArray, FloatArray]:
+    """Mean and variance of failure per criterion, failed runs counted as failing."""
     missions = max(c.max_missions for c in task.criteria)
     n_units, n = task.problem.n_units, len(task.criteria)
     chunk = max(1, _CHUNK_VALUES // (missions * n_units))
-    total, total_low, squares = np.zeros(n), np.zeros(n), np.zeros(n)
+    total, squares = np.zeros(n), np.zeros(n)
     for start in range(0, rows, chunk):
         size = min(chunk, rows - start)
         y = _sample(response, rng, (size, missions, n_units))
         for i, criterion in enumerate(task.criteria):
-            value = _row_failure(y, criterion, missing_fails=True)
+            value = _row_failure(y, criterion)
             total[i] += value.sum()
             squares[i] += (value**2).sum()
-            total_low[i] += _row_failure(y, criterion, missing_fails=False).sum()
     mean = total / rows
-    return mean, total_low / rows, np.maximum(squares / rows - mean**2, 0.0)
+    return mean, np.maximum(squares / rows - mean**2, 0.0)
 
 
-def _row_failure(y: FloatArray, criterion: Criterion, *, missing_fails: bool) -> FloatArray:
+def _row_failure(y: FloatArray, criterion: Criterion) -> FloatArray:
     """Failure of each row (size,): 0 or 1, or its mean over the binomial number of missions."""
-    fails = mission_fails(y, criterion.threshold, criterion.tau, missing_fails=missing_fails)
+    fails = mission_fails(y, criterion.threshold, criterion.tau, missing_fails=True)
     if not isinstance(criterion.missions, Binomial):
         return np.asarray(fails[:, : criterion.missions].any(axis=1), dtype=np.float64)
     planned, p = criterion.missions.planned, criterion.missions.p

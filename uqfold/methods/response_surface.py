@@ -187,6 +187,10 @@ def _estimate(
     low, high = (float(ndtr(-beta + sign * _T95 * spread)) for sign in (-1.0, 1.0))
     if not certain and std_error > _WIDE * min(found.pf, found.reliability):
         doubts = [*doubts, f"the stated error is above {_WIDE:.0%} of pf or of the reliability"]
+    if not runs.complete:
+        # what the surface says about its own error says nothing about what it does not describe
+        std_error = low = high = math.nan
+        certain = False
     exhausted = runs.y.size < runs.asked
     if exhausted:
         note = [f"{runs.y.size} of the {runs.asked} runs that the settings ask for"]
@@ -197,10 +201,10 @@ def _estimate(
         std_error=0.0 if certain else std_error,
         ci_low=found.pf if certain else min(low, found.pf),
         ci_high=found.pf if certain else max(high, found.pf),
-        ci_kind=CI_KIND,
-        pf_low=found.pf_low,
-        pf_high=found.pf_high,
-        error_kind="surrogate",
+        ci_kind=CI_KIND if runs.complete else "",
+        pf_low=0.0 if runs.failed else found.pf,
+        pf_high=1.0 if runs.failed else found.pf,
+        error_kind="surrogate" if runs.complete else "none",
         status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
         message="; ".join([*doubts, *(note if exhausted else [])]),
     )
@@ -215,6 +219,8 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
             f"{infinite} of {runs.y.size} responses are infinite; where the model gives such "
             "responses is known only from the nearest run"
         )
+    if runs.failed:
+        doubts.append("what the failed runs would have been may change the surface everywhere")
     scatter = float(runs.y[runs.finite].std())
     if validated is not None and validated.rms > _POOR_PREDICTION * scatter:
         share = validated.rms / scatter if scatter > 0.0 else math.inf

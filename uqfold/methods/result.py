@@ -39,7 +39,7 @@ class Estimate:
     ci_low, ci_high, ci_kind
         Interval on pf and what it is; NaN and empty where the method has none.
     pf_low, pf_high
-        pf with all failed runs counted safe, and all counted failed; None: not computed.
+        Bounds on pf that hold whatever the failed runs would have been; None: not computed.
     error_kind
         What `std_error` and the interval cover: ``sampling``, ``surrogate`` or ``none``.
     status

@@ -1,0 +1,112 @@
+"""Failed runs and infinite responses: bounds that hold, and no error where none is known."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from uqfold.methods import (
+    ActiveKriging,
+    FFNIPearson,
+    FFNISaddlepoint,
+    Kriging,
+    PolynomialChaos,
+    ReliabilityMethod,
+)
+from uqfold.problems import Problem
+from uqfold.problems.criterion import criteria
+from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.typing import FloatArray
+
+SYSTEM = LinearNormalSystem()
+METHODS = [
+    FFNIPearson(),
+    FFNIPearson(rows=500),
+    FFNISaddlepoint(),
+    Kriging(runs=12, trend="constant", kernel="gaussian"),
+    PolynomialChaos(runs=12, max_degree=2),
+    ActiveKriging(runs=12, kernel="gaussian"),
+]
+
+
+def problem(model: Callable[[FloatArray], FloatArray], units: int = 4) -> Problem:
+    inputs = SYSTEM.problem().inputs
+    return Problem(
+        model,
+        shared=inputs.distribution.getMarginal([0]),
+        individual=inputs.distribution.getMarginal([1, 2]),
+        names=inputs.names,
+        units=units,
+    )
+
+
+def named(method: ReliabilityMethod) -> str:
+    return f"{method.name}, {getattr(method, 'rows', None)} rows"
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_bounds_hold_whatever_the_failed_runs_would_have_been(method: ReliabilityMethod) -> None:
+    """pf_low, pf_high are bounds when half of the runs fail: also on what the method itself says
+    of other responses, however far off."""
+    asked = criteria([10.6], tau=[None, 2.5])
+
+    def instead(response: float) -> Callable[[FloatArray], FloatArray]:
+        return lambda x: np.where(x[:, 1] > 0.0, response, SYSTEM.response(x))
+
+    rows = method.estimate(problem(instead(math.nan)), asked, rng=1)
+    for other in (-50.0, 50.0):
+        others = method.estimate(problem(instead(other)), asked, rng=1)
+        for row, known in zip(rows, others, strict=True):
+            assert row.n_failed > 0
+            assert row.status in {"doubtful", "unsupported"}
+            assert math.isnan(row.std_error)
+            assert math.isnan(row.ci_low)
+            if not math.isnan(known.pf) and row.status != "unsupported":
+                assert row.pf_low <= known.pf <= row.pf_high
+                assert row.pf_low <= row.pf <= row.pf_high
+
+
+def test_shared_nodes_without_a_failed_run_keep_their_part_of_the_bounds() -> None:
+    """One of three shared nodes is lost: it may add nothing, or its whole weight."""
+
+    def lost(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 0] > 1.0, np.nan, SYSTEM.response(x))
+
+    row = FFNIPearson().estimate(problem(lost), criteria(10.6))[0]
+    whole = FFNIPearson().estimate(problem(SYSTEM.response), criteria(10.6))[0]
+    assert row.pf_high - row.pf_low == pytest.approx(1 / 6, rel=1e-9)
+    assert 0.3 < row.pf_low < whole.pf < row.pf_high
+
+
+@pytest.mark.parametrize("tau", [None, 2.5])
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_infinite_responses_are_never_a_clean_number(
+    method: ReliabilityMethod, tau: float | None
+) -> None:
+    """-inf responses under tau, and without: moments and surfaces do not know where they are."""
+
+    def model(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 1] > 0.4, -np.inf, SYSTEM.response(x))
+
+    row = method.estimate(problem(model), criteria(10.6, tau=tau), rng=1)[0]
+    assert row.status in {"doubtful", "unsupported"}
+    assert "infinite" in row.message or row.status == "unsupported"
+    assert row.n_failed == 0
+    if row.status == "doubtful" and tau is not None:
+        assert row.pf > 0.5
+
+
+@pytest.mark.parametrize("units", [1, 3])
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_nothing_but_minus_infinity(method: ReliabilityMethod, units: int) -> None:
+    """It works for every T and fails under every tau: equal infinities do not agree."""
+    asked = criteria([-math.inf, 0.0, math.inf], tau=[None, 0.0, math.inf])
+
+    def model(x: FloatArray) -> FloatArray:
+        return np.full(x.shape[0], -np.inf)
+
+    for row in method.estimate(problem(model, units), asked, rng=1):
+        assert row.status in {"doubtful", "unsupported"}
+        if row.status == "doubtful":
+            assert row.pf == (0.0 if math.isnan(row.tau) else 1.0)
