@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -115,3 +116,14 @@ def with_one_bad_row(n: int) -> tuple[FloatArray, int]:
 
 def rows(n: int, seed: int = 0) -> FloatArray:
     return np.random.default_rng(seed).standard_normal((n, 2))
+
+
+@dataclass(frozen=True)
+class Starting:
+    """Starts a program in a session of its own and waits for it."""
+
+    command: tuple[str, ...]
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        subprocess.run(self.command, start_new_session=True, check=True)
+        return x[:, 0]

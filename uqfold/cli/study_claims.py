@@ -37,11 +37,11 @@ def read_studies(root: Path) -> dict[str, dict[str, pd.DataFrame]]:
 def judge_claims(root: Path, *, check: bool) -> int:
     """Judge all claims, print the verdicts, write or check the page; give the exit code."""
     from uqfold.comparison.claims import CLAIMS, judged
-    from uqfold.comparison.records import replacing
     from uqfold.comparison.studies.document import StudyError
     from uqfold.comparison.studies.results import ResultsError
     from uqfold.report.claims import claims_page
     from uqfold.report.layout import hanging, line
+    from uqfold.writing import write_text
 
     try:
         results = read_studies(root)
@@ -69,7 +69,6 @@ def judge_claims(root: Path, *, check: bool) -> int:
         if not same:
             say(f"error: {shown_path(path)} is not what the results give: uqfold study claims")
         return 0 if same else EXIT_FAILED
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+    write_text(path, page)
     out.print(f"{shown_path(path)} written", highlight=False, markup=False)
     return 0

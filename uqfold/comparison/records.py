@@ -11,8 +11,7 @@ import csv
 import io
 import json
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
 from uqfold.comparison.encoding import decoded, encoded, refuse_constant
 from uqfold.comparison.header import RunHeader
+from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,8 +81,7 @@ def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Pat
     directory.mkdir(parents=True, exist_ok=True)
     paths = directory / CSV_NAME, directory / JSON_NAME
     for path, text in zip(paths, (_csv_text(records), _json_text(records)), strict=True):
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="")
+        write_text(path, text)
     return paths
 
 
@@ -113,17 +112,6 @@ def read_records(path: str | os.PathLike[str]) -> Records:
             f"{file.name} is no readable record of a comparison: {what}. Records are written by "
             "`uqfold compare`; see docs/records.md"
         ) from error
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary path whose file takes the place of `path` once it is complete."""
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        yield temporary
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _json_text(records: Records) -> str:

@@ -55,8 +55,9 @@ class RowModel(ABC):
         del seconds
         return None
 
-    def stop(self) -> None:  # noqa: B027 - most models have nothing to stop
-        """End runs that other threads are making, because nobody waits for them any more."""
+    def stop(self) -> bool:
+        """End the runs that other threads are making; tell whether this model can do that."""
+        return False
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Responses (n,) of X (n, d); raises what the first failed run raises."""

@@ -43,3 +43,7 @@ class StoreError(EngineError):
 
 class ExecutorError(EngineError):
     """An executor cannot take the model, or broke while running it."""
+
+
+class ExternalRunError(RuntimeError):
+    """A run of a program failed; says why and where its folder is."""

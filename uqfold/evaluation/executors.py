@@ -10,6 +10,7 @@ from __future__ import annotations
 import concurrent.futures
 import os
 import pickle
+import time
 from abc import ABC, abstractmethod
 from collections import deque
 from types import TracebackType
@@ -21,6 +22,8 @@ from uqfold.typing import FloatArray, Model
 
 QUEUED_PER_WORKER = 2
 """Batches handed over per worker: one under way, one waiting."""
+STOPPING_SECONDS = 15.0
+"""How long to wait for runs that are being ended."""
 
 
 class Runner(ABC):
@@ -178,9 +181,15 @@ class _FuturesRunner(Runner):
     def abandon(self) -> None:
         for future in self._numbers:
             future.cancel()
+        threads = isinstance(self._executor, concurrent.futures.ThreadPoolExecutor)
+        if threads and isinstance(self._model, RowModel):
+            # a thread that has taken its row may start the run a moment later
+            last = time.monotonic() + STOPPING_SECONDS
+            while left := [future for future in self._numbers if not future.done()]:
+                if not self._model.stop() or time.monotonic() > last:
+                    break
+                concurrent.futures.wait(left, 0.02)
         self._numbers.clear()
-        if isinstance(self._model, RowModel):
-            self._model.stop()
 
     def _broken(self, error: BaseException) -> ExecutorError:
         return ExecutorError(

@@ -8,13 +8,8 @@ from __future__ import annotations
 
 import copy
 import math
-import os
-import re
 import shutil
-import signal
-import subprocess
 import tempfile
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
@@ -23,20 +18,23 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from uqfold.checks import choice, function, keep, or_none, path, real, refused, several, text, whole
 from uqfold.evaluation.batch import RowModel
-from uqfold.evaluation.outputs import STDERR, STDOUT, ExternalRunError
+from uqfold.evaluation.errors import ExternalRunError
+from uqfold.evaluation.outputs import response
+from uqfold.evaluation.programs import Programs
+from uqfold.evaluation.run_folder import REASON
+from uqfold.evaluation.templates import (
+    check_placeholders,
+    filled,
+    input_names,
+    template_texts,
+    write_filled,
+)
 from uqfold.typing import FloatArray
+from uqfold.writing import replacing
 
 Keep = Literal["failed", "all", "none"]
-
-REASON = "reason.txt"
-"""File in the folder of a failed run that says why."""
-
-_PLACEHOLDER = re.compile(r"\{\{\s*(\w+)\s*(?::([^{}]*))?\}\}")
-_STDERR_SHOWN = 300
-
-_running: set[subprocess.Popen[bytes]] = set()
-_running_lock = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -45,13 +43,18 @@ class ExternalCode(RowModel):
 
     Every run gets a folder of its own, in which the program is started. The templates are written
     there with each ``{{name}}`` replaced by the value of that input, in all its digits;
-    ``{{name:12.5e}}`` formats it as Python does. The words of the command may hold placeholders
-    too. No shell is involved.
+    ``{{name:12.5e}}`` formats it as Python does. All other bytes of a template stay as they are,
+    whatever its encoding (which has to hold ASCII as it is, as UTF-8 and Latin-1 do) and its line
+    ends. The words of the command may hold placeholders too. No shell is involved.
 
     A run fails, and raises `ExternalRunError`, when the program cannot be started, ends with
     another exit code than 0, takes longer than `timeout`, or leaves no number to be read; NaN is
     no number, an infinity is one. During an estimate a failed run is a NaN for the policy for
     failed runs. The folder of a failed run is kept, with ``reason.txt`` in it.
+
+    No process that a run has started outlives it: not after a time-out, nor when the caller is
+    interrupted or killed. Linux and macOS see to that by a guard process (`guard`); on Windows
+    only the program itself is ended.
 
     Attributes
     ----------
@@ -59,12 +62,13 @@ class ExternalCode(RowModel):
         The program and its arguments. It is started in the run's folder, so that paths to things
         elsewhere have to be absolute.
     names
-        Names of the inputs, in column order (shared inputs first).
+        Names of the inputs, in column order (shared inputs first): letters, digits, underscores.
     output
-        Reads the response from the run's folder: `Regex`, `Column`, or any function of the folder.
-        What the program printed is there as ``stdout.txt`` and ``stderr.txt``.
+        Reads the response from the run's folder: `Regex`, `Column`, or any function of the folder
+        that returns a number, or its text. What the program printed is there as ``stdout.txt``
+        and ``stderr.txt``.
     templates
-        Name of a file in the run's folder -> its template.
+        File in the run's folder -> its template. The file is a relative path that stays there.
     timeout
         Seconds that a run may take, None for no limit. The program is then killed, with all that
         it started.
@@ -77,15 +81,16 @@ class ExternalCode(RowModel):
 
     Raises
     ------
-    ValueError
-        If a placeholder is no input, an input occurs nowhere, or a setting is out of range.
+    TypeError, ValueError
+        If a placeholder is no input, an input occurs nowhere or twice, a file does not stay in the
+        run's folder, or a setting is out of range.
     OSError
         If a template cannot be read.
     """
 
     command: Sequence[str]
     names: Sequence[str]
-    output: Callable[[Path], float]
+    output: Callable[[Path], float | str]
     # what is not compared has no influence on a response, and no part in its key in a store
     templates: Mapping[str, str | PathLike[str]] = field(default_factory=dict, compare=False)
     timeout: float | None = field(default=None, compare=False)
@@ -93,32 +98,23 @@ class ExternalCode(RowModel):
     folder: str | PathLike[str] | None = field(default=None, compare=False)
     keep: Keep = field(default="failed", compare=False)
     _texts: Mapping[str, str] = field(init=False, repr=False)
+    _programs: Programs = field(default_factory=Programs, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if isinstance(self.command, str) or not self.command:
-            raise ValueError(f"command = {self.command!r}: give a list of words, as in ['a', '-b']")
-        if self.timeout is not None and not 0.0 < self.timeout < math.inf:
-            raise ValueError(f"timeout = {self.timeout}: give a positive number of seconds")
-        if self.parallel < 1:
-            raise ValueError(f"parallel = {self.parallel}: give at least 1")
-        if self.keep not in get_args(Keep):
-            raise ValueError(f"keep = {self.keep!r}: choose from {get_args(Keep)}")
+        if isinstance(self.command, str | bytes):
+            raise refused("command", self.command, "give a list of words, as in ['a', '-b']")
+        keep(self, "command", several, _word)
+        if not self.command or not self.command[0]:
+            raise refused("command", self.command, "give a list of words, as in ['a', '-b']")
+        keep(self, "names", input_names)
+        keep(self, "output", function, "give Regex(...), Column(...) or a function of the folder")
+        keep(self, "timeout", or_none, real, above=0.0, what="number of seconds")
+        keep(self, "parallel", whole, at_least=1)
+        keep(self, "folder", or_none, path)
+        keep(self, "keep", choice, get_args(Keep))
         # read once: what happens to the file later must not mix two models
-        texts = {name: Path(path).read_text() for name, path in self.templates.items()}
-        object.__setattr__(self, "_texts", texts)
-        used = set()
-        for text in (*texts.values(), *self.command):
-            used |= {match[1] for match in _PLACEHOLDER.finditer(text)}
-        if unknown := used - set(self.names):
-            raise ValueError(
-                f"the placeholder {{{{{min(unknown)}}}}} is no input: choose from "
-                f"{', '.join(self.names)}"
-            )
-        if missing := [name for name in self.names if name not in used]:
-            raise ValueError(
-                f"the input {missing[0]!r} occurs nowhere: put {{{{{missing[0]}}}}} into a "
-                "template or the command"
-            )
+        object.__setattr__(self, "_texts", template_texts("templates", self.templates))
+        check_placeholders([*self._texts.values(), *self.command], self.names)
 
     def run(self, x: FloatArray) -> float:
         """Run the program for one sample x (d,).
@@ -134,101 +130,63 @@ class ExternalCode(RowModel):
         if self.folder is not None:
             Path(self.folder).mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix="run-", dir=self.folder)).absolute()
-        failed = True
+        failed = False
         try:
-            for name, text in self._texts.items():
-                target = folder / name
-                target.parent.mkdir(parents=True, exist_ok=True)
-                target.write_text(_filled(text, values))
-            self._start([_filled(word, values) for word in self.command], folder)
-            y = float(self.output(folder))
-            if math.isnan(y):
-                raise ExternalRunError("the output is NaN")
-            failed = False
+            write_filled(folder, self._texts, values)
+            command = [filled(word, values) for word in self.command]
+            self._programs.run(command, folder, self.timeout)
+            return response(self.output(folder))
         except Exception as error:
+            failed = True
             told = isinstance(error, ExternalRunError)
             reason = str(error) if told else f"{type(error).__name__}: {error}"
             if self.keep == "none":
                 raise ExternalRunError(reason) from error
-            (folder / REASON).write_text(reason + "\n")
+            with replacing(folder / REASON) as stream:
+                stream.write(reason.encode("utf-8", "replace") + b"\n")
             raise ExternalRunError(f"{reason} (see {folder})") from error
         finally:
             if self.keep == "none" or (self.keep == "failed" and not failed):
                 shutil.rmtree(folder, ignore_errors=True)
-        return y
 
     def with_time_limit(self, seconds: float) -> ExternalCode:
-        """Give the same model with a timeout of at most that."""
+        """Return the same model with a timeout of at most that."""
         limited = copy.copy(self)
         timeout = seconds if self.timeout is None else min(seconds, self.timeout)
         object.__setattr__(limited, "timeout", timeout)
         return limited
 
-    def stop(self) -> None:
+    def stop(self) -> bool:
         """Kill the programs that are running."""
-        with _running_lock:
-            for process in _running:
-                _kill(process)
+        self._programs.end()
+        return True
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Responses (n,) of X (n, d), `parallel` at a time; NaN for failed runs."""
-        from concurrent.futures import ThreadPoolExecutor
+        from concurrent.futures import ThreadPoolExecutor, wait
 
-        def response(row: FloatArray) -> float:
+        def answer(row: FloatArray) -> float:
             try:
                 return self.run(row)
             except ExternalRunError:
                 return math.nan
 
         with ThreadPoolExecutor(self.parallel) as pool:
-            return np.array(list(pool.map(response, x)), dtype=np.float64)
-
-    def _start(self, command: Sequence[str], folder: Path) -> None:
-        with (folder / STDOUT).open("wb") as out, (folder / STDERR).open("wb") as err:
+            runs = [pool.submit(answer, row) for row in x]
             try:
-                process = subprocess.Popen(
-                    command,
-                    cwd=folder,
-                    stdin=subprocess.DEVNULL,
-                    stdout=out,
-                    stderr=err,
-                    # a group of its own: what the program starts is killed with it, and Ctrl-C
-                    # does not reach it past the caller
-                    start_new_session=os.name == "posix",
-                )
-            except OSError as error:
-                raise ExternalRunError(f"{command[0]} cannot be started: {error}") from error
-            with _running_lock:
-                _running.add(process)
-            try:
-                code = process.wait(self.timeout)
-            except subprocess.TimeoutExpired:
-                raise ExternalRunError(f"it took longer than {self.timeout:g} s") from None
+                return np.array([run.result() for run in runs], dtype=np.float64)
             finally:
-                with _running_lock:
-                    _running.discard(process)
-                if process.poll() is None:
-                    _kill(process)
-                    process.wait()
-        if code != 0:
-            said = (folder / STDERR).read_text(errors="replace").strip()[-_STDERR_SHOWN:]
-            raise ExternalRunError(f"exit code {code}" + (f": {said}" if said else ""))
+                # after Ctrl-C nobody waits for the others
+                pool.shutdown(wait=False, cancel_futures=True)
+                while left := [run for run in runs if not run.done()]:
+                    self.stop()
+                    wait(left, 0.02)
 
 
-def _filled(text: str, values: Mapping[str, float]) -> str:
-    def value(match: re.Match[str]) -> str:
-        number, spec = values[match[1]], match[2]
-        # repr reads back to the same bits
-        return repr(number) if spec is None else format(number, spec)
-
-    return _PLACEHOLDER.sub(value, text)
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    try:
-        if os.name == "posix":
-            os.killpg(process.pid, signal.SIGKILL)
-        else:
-            process.kill()
-    except ProcessLookupError:
-        pass
+def _word(name: str, value: object) -> str:
+    if value == "" and isinstance(value, str):
+        return ""
+    word = text(name, value, what="a word")
+    if "\0" in word:
+        raise refused(name, word, "give a word without NUL")
+    return word

@@ -214,5 +214,7 @@ class _ProcessesRunner(Runner):
 
 
 def _kill_all(pool: list[Worker]) -> None:
+    for worker in pool:
+        worker.process.terminate()
     while pool:
         pool.pop().end()

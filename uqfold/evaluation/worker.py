@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import pickle
 import signal
+import threading
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from uqfold.evaluation.batch import run_batch
+from uqfold.evaluation.guard import adopt_orphans, descendants, end_descendants
 from uqfold.typing import FloatArray
+
+ENDING_SECONDS = 1.0
+"""How long a worker may take to end what it has started."""
 
 
 @dataclass(eq=False)
@@ -73,9 +80,17 @@ class Worker:
         return cls(process, here)
 
     def end(self) -> int | None:
-        """Kill the process, and give its exit code."""
-        self.process.kill()
-        self.process.join()
+        """End the process with all that it has started, and return its exit code."""
+        self.process.terminate()
+        self.process.join(ENDING_SECONDS)
+        if self.process.is_alive():
+            # compiled code does not listen
+            started = descendants(self.process.pid) if os.name == "posix" else []
+            self.process.kill()
+            self.process.join()
+            for one in started:
+                with suppress(OSError):
+                    os.kill(one, signal.SIGKILL)
         self.line.close()
         code: int | None = self.process.exitcode
         return code
@@ -85,6 +100,9 @@ def _serve(line: Connection) -> None:
     """Life of a worker: load models, run batches, until the line is cut."""
     # Ctrl-C reaches all processes of the group; what it means the one that started them decides
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    adopt_orphans()
+    signal.signal(signal.SIGTERM, _end)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     model: Any = None
     while True:
         try:
@@ -100,3 +118,18 @@ def _serve(line: Connection) -> None:
         except Exception as error:
             line.send(("unusable", f"{type(error).__name__}: {error}"))
             return
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it is gone, however that ended."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        _end()
+
+
+def _end(*_: object) -> NoReturn:
+    """End this process, and whatever the model has started."""
+    if os.name == "posix":
+        end_descendants()
+    os._exit(128 + signal.SIGTERM)

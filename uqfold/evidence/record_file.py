@@ -15,10 +15,10 @@ from typing import Any
 
 from uqfold.comparison.encoding import encoded, refuse_constant
 from uqfold.comparison.findings import Finding
-from uqfold.comparison.records import replacing
 from uqfold.evidence.measurement import Axis, Cell, Column, Figure, Measurement, Series, Table
 from uqfold.evidence.record import CaseRecord, PlantedFault, StoredResult
 from uqfold.evidence.schema import check_document
+from uqfold.writing import write_text
 
 SCHEMA = "uqfold-validation/1"
 DIGITS = 9
@@ -52,9 +52,8 @@ def write_case_record(record: CaseRecord, folder: str | os.PathLike[str], stem: 
     path = directory / f"{stem or record.name}.json"
     document = to_document(record)
     check_document(document, "uqfold-validation-1")
-    with replacing(path) as temporary:
-        text = json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1)
-        temporary.write_text(_dense(text) + "\n", encoding="utf-8", newline="")
+    text = json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1)
+    write_text(path, _dense(text) + "\n")
     return path
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from uqfold.comparison.records import replacing
 from uqfold.evidence.record import Tier
+from uqfold.writing import write_text
 
 Value = TypeVar("Value")
 
@@ -97,8 +97,7 @@ def _computed(compute: Callable[[], Any], path: Path | None) -> Any:
     text = json.dumps({"result": result, "seconds": time.perf_counter() - start})
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(path, text)
     # what is read after an interruption is the same to the last bit
     return json.loads(text)
 

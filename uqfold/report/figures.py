@@ -6,10 +6,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uqfold.comparison.records import Records, replacing
+from uqfold.comparison.records import Records
 from uqfold.report.cost import error_against_evaluations
 from uqfold.report.curves import reliability_curves
 from uqfold.report.style import figure_settings
+from uqfold.writing import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,8 +60,8 @@ def save_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
     """Write one figure in all `FORMATS`; each file appears whole or not at all."""
     paths = [folder / f"{stem}.{suffix}" for suffix in FORMATS]
     for path in paths:
-        with figure_settings(), replacing(path) as temporary:
+        with figure_settings(), replacing(path) as stream:
             # without a date the same records give the same file
             metadata = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(temporary, metadata=metadata)
+            figure.savefig(stream, format=path.suffix.removeprefix("."), metadata=metadata)
     return paths

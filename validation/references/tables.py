@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import Any
 
 from uqfold.problems.criterion import Binomial, Missions
 from uqfold.problems.reference import SCHEMA, ReferenceTable, parse_references
+from uqfold.writing import write_text
 
 SHIPPED = Path(__file__).resolve().parents[2] / "uqfold" / "problems" / "references"
 """Where the references of the package live."""
@@ -72,11 +72,9 @@ def as_text(problem: str, kind: str, how: str, command: str, rows: Iterable[Row]
 
 
 def write(path: Path, text: str) -> None:
-    """Replace the file at once, so that an interrupted run leaves the former one."""
+    """Write the file whole or not at all, so that an interrupted run leaves the former one."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
+    write_text(path, text)
 
 
 def read(path: Path) -> ReferenceTable:

@@ -16,7 +16,7 @@ from typing import Any
 import uqfold
 from uqfold.comparison.encoding import decoded, encoded, refuse_constant
 from uqfold.comparison.header import installed_versions
-from uqfold.comparison.records import replacing
+from uqfold.writing import write_text
 
 _ABOVE = {"cli", "report", "testing", "comparison"}
 """Rooms whose source changes no number; of the comparison the analyses do."""
@@ -57,8 +57,7 @@ class JobCache:
             return
         self._folder.mkdir(parents=True, exist_ok=True)
         values = [[encoded(kind(row[name])) for name, kind in columns.items()] for row in rows]
-        with replacing(self._folder / f"{key}.json") as temporary:
-            temporary.write_text(json.dumps({"rows": values}, allow_nan=False), encoding="utf-8")
+        write_text(self._folder / f"{key}.json", json.dumps({"rows": values}, allow_nan=False))
 
 
 def job_key(parts: Sequence[str]) -> str:

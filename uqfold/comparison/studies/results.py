@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from uqfold.comparison.encoding import encoded
 from uqfold.comparison.header import installed_versions
-from uqfold.comparison.records import replacing
 from uqfold.comparison.studies.runner import StudyTable
 from uqfold.comparison.studies.study import Study
+from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,8 +77,7 @@ def write_table(folder: Path, table: StudyTable) -> TableEntry:
     text = _csv_text(table.columns, table.rows)
     path = _csv_path(folder, table.name)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="")
+    write_text(path, text)
     digest = hashlib.sha256(text.encode()).hexdigest()
     return TableEntry(table.name, len(table.rows), table.n_evals, round(table.seconds, 3), digest)
 
@@ -100,9 +99,8 @@ def write_record(
         **{name: value for name, value in vars(record).items() if name != "tables"},
         "tables": [vars(entry) for entry in record.tables],
     }
-    with replacing(folder / FOLDER / RECORD_NAME) as temporary:
-        text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
-        temporary.write_text(text, encoding="utf-8")
+    text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+    write_text(folder / FOLDER / RECORD_NAME, text)
     return record
 
 

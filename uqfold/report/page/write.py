@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
-from uqfold.comparison.records import replacing
 from uqfold.report.page.blocks import Page
+from uqfold.writing import write_text
 
 Format: TypeAlias = Literal["html", "md"]
 
@@ -62,7 +62,6 @@ def write_page(page: Page, path: str | os.PathLike[str], format: str | None = No
     for name, text in texts.items():
         target = file.parent / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="")
+        write_text(target, text)
         written.append(target)
     return written

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uqfold.comparison.records import replacing
 from uqfold.comparison.studies.study import Spec, Study
 from uqfold.report.figures import FORMATS, save_figure
 from uqfold.report.studies.selection import SelectionError
+from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,8 +67,7 @@ def write_exhibits(
 
 
 def _save_picture(text: str, path: Path) -> Path:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)
     return path
 
 

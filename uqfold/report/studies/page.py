@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uqfold.comparison.records import replacing
 from uqfold.comparison.studies.results import FOLDER, ResultsRecord
 from uqfold.comparison.studies.study import Spec, Study
 from uqfold.report.studies.exhibits import FIGURES_FOLDER
 from uqfold.report.wording import UNCHECKED, count_text, seconds_text
+from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,8 +60,7 @@ def write_page(
     ]
     path = folder / NAME
     folder.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        temporary.write_text("\n\n".join(filter(None, blocks)) + "\n", encoding="utf-8")
+    write_text(path, "\n\n".join(filter(None, blocks)) + "\n")
     return path
 
 
