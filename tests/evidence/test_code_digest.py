@@ -37,6 +37,7 @@ def test_only_what_is_imported_counts(cases: Path) -> None:
 def test_the_frame_makes_no_numbers(cases: Path) -> None:
     frame = (
         "from uqfold.evidence import Measurement\nfrom uqfold.comparison.findings import number\n"
+        "from uqfold.checks import whole\n"
     )
     assert set(parts(cases, frame)) == {f"{cases.name}/a_case"}
 

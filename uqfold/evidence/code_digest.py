@@ -3,7 +3,7 @@
 The files are found by following the import statements of the case's folder. A room of uqfold that
 is imported as a whole (``from uqfold.methods import available``) counts with all its modules, since
 its names are loaded lazily; its data files count as well. The frame that measures and keeps records
-does not count: it makes no numbers.
+does not count, nor do checks of arguments: they make no numbers.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from uqfold.evidence.case import DECLARATION
 PACKAGE = Path(uqfold.__file__).resolve().parent
 RECORDS = ("quick.json", "full.json")
 FRAME = (
-    "uqfold/evidence/", "uqfold/lazy.py", "uqfold/typing.py", "uqfold/comparison/findings.py",
-    "uqfold/__init__.py",
+    "uqfold/evidence/", "uqfold/lazy.py", "uqfold/typing.py", "uqfold/checks.py",
+    "uqfold/comparison/findings.py", "uqfold/__init__.py",
 )  # fmt: skip
 
 
