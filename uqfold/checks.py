@@ -22,7 +22,7 @@ from decimal import Decimal
 from numbers import Integral, Real
 from pathlib import Path
 from reprlib import Repr
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar, overload
 
 import numpy as np
 
@@ -40,16 +40,23 @@ _SHORT.maxlong = 40
 
 
 def whole(
-    name: str, value: object, *, at_least: int | None = None, at_most: int | None = None
+    name: str,
+    value: object,
+    *,
+    at_least: int | None = None,
+    at_most: int | None = None,
+    what: str = "whole number",
 ) -> int:
     """Return a whole number; 1e3 is one, True and "3" are none.
+
+    `what` says what it is, for the message, as in `real`.
 
     Raises
     ------
     TypeError, ValueError
         If it is no number, not whole or outside [at_least, at_most].
     """
-    remedy = "give a whole number"
+    remedy = f"give a {what}"
     if at_least is not None:
         remedy += f" >= {at_least}" if at_most is None else f" from {at_least} to {at_most}"
     elif at_most is not None:
@@ -128,7 +135,8 @@ def real(
         or (above is not None and given <= above)
         or (below is not None and given >= below)
     ):
-        raise refused(name, number, remedy)
+        endless = math.isinf(given) and finite and "finite" not in remedy
+        raise refused(name, number, f"{remedy} that is finite" if endless else remedy)
     return given
 
 
@@ -140,12 +148,12 @@ def flag(name: str, value: object) -> bool:
     return plain
 
 
-def text(name: str, value: object, *, what: str = "text") -> str:
-    """Return text that is not empty; bytes are none."""
+def text(name: str, value: object, *, empty: bool = False, what: str = "text") -> str:
+    """Return text, which is not empty unless it may be; bytes are none."""
     plain = _plain(value)
     if not isinstance(plain, str):
         raise refused(name, value, f"give {what}", TypeError)
-    if not plain:
+    if not plain and not empty:
         raise refused(name, value, f"give {what} that is not empty")
     return str(plain)
 
@@ -163,7 +171,11 @@ def choice(name: str, value: object, options: Iterable[T]) -> T:
     raise refused(name, value, remedy, ValueError if right_kind else TypeError)
 
 
-def instance(name: str, value: object, kind: type[T] | tuple[type[T], ...], remedy: str) -> T:
+@overload
+def instance(name: str, value: object, kind: type[T], remedy: str) -> T: ...
+@overload
+def instance(name: str, value: object, kind: tuple[type, ...], remedy: str) -> Any: ...
+def instance(name: str, value: object, kind: type | tuple[type, ...], remedy: str) -> Any:
     """Return a value of a kind; the remedy says how to come by one: "give a Problem"."""
     if not isinstance(value, kind):
         raise refused(name, value, remedy, TypeError)
@@ -202,6 +214,8 @@ def or_none(
     try:
         return check(name, value, *args, **bounds)
     except (TypeError, ValueError) as error:
+        if not str(error).startswith(f"{name} = "):  # it is about an item
+            raise
         kind = TypeError if isinstance(error, TypeError) else ValueError
         raise kind(f"{error}, or None") from None
 
@@ -213,18 +227,35 @@ def several(
     *args: P.args,
     **bounds: P.kwargs,
 ) -> tuple[T, ...]:
-    """Return the items of an ordered collection, each checked as ``name[i]``; it may be empty."""
+    """Return the items of a list, each checked as ``name[i]``; it may be empty."""
     return tuple(
         check(f"{name}[{i}]", item, *args, **bounds) for i, item in enumerate(listed(name, value))
     )
 
 
-def listed(name: str, value: object) -> tuple[Any, ...]:
-    """Return the items of an ordered collection: text, mappings and sets are none."""
-    loose = isinstance(value, str | bytes | bytearray | Mapping | set | frozenset | type)
+def listed(name: str, value: object, *, what: str = "list", sets: bool = False) -> tuple[Any, ...]:
+    """Return the items of an ordered collection; text and mappings are none, sets only if asked."""
+    loose = isinstance(value, str | bytes | bytearray | Mapping | type)
+    loose = loose or (not sets and isinstance(value, set | frozenset))
     if isinstance(value, Iterable) and not loose and getattr(value, "shape", None) != ():
         return tuple(value)
-    raise refused(name, value, "give a list", TypeError)
+    raise refused(name, value, f"give a {what}", TypeError)
+
+
+def mapping(
+    name: str,
+    value: object,
+    check: Callable[Concatenate[str, Any, P], T],
+    *args: P.args,
+    **bounds: P.kwargs,
+) -> dict[str, T]:
+    """Return a dict of text -> what a check of its value returns, checked as ``name['key']``."""
+    if not isinstance(value, Mapping):
+        raise refused(name, value, "give a dict of names", TypeError)
+    return {
+        text(f"a key of {name}", key): check(f"{name}[{key!r}]", item, *args, **bounds)
+        for key, item in value.items()
+    }
 
 
 def names(name: str, value: object) -> tuple[str, ...]:

@@ -85,12 +85,16 @@ def test_inputs_that_nobody_named_are_numbered() -> None:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"individual": TWO, "units": 0}, ValueError, "units = 0: a system has at least one"),
+        (
+            {"individual": TWO, "units": 0},
+            ValueError,
+            "units = 0: give a list of Unit or a whole number >= 1",
+        ),
         ({"individual": TWO, "units": -2}, ValueError, "units = -2"),
         ({"individual": TWO, "units": True}, TypeError, "units = True"),
-        ({"individual": TWO, "units": 2.0}, TypeError, r"units = 2\.0"),
-        ({"individual": TWO, "units": []}, TypeError, r"units = \[\]"),
-        ({"individual": TWO, "units": [1, 2]}, TypeError, r"units = \[1, 2\]"),
+        ({"individual": TWO, "units": 2.5}, ValueError, r"units = 2\.5"),
+        ({"individual": TWO, "units": []}, ValueError, r"units = \[\]: give at least one"),
+        ({"individual": TWO, "units": [1, 2]}, TypeError, r"units\[0\] = 1: give a Unit"),
         ({"individual": TWO, "units": "ab"}, TypeError, "units = 'ab'"),
         ({"individual": TWO, "units": None}, TypeError, "units = None"),
         ({}, ValueError, "no inputs: give shared=, individual= or inputs="),
@@ -98,17 +102,29 @@ def test_inputs_that_nobody_named_are_numbered() -> None:
         ({"individual": 3.0}, TypeError, r"3\.0 is not a distribution"),
         ({"inputs": TWO, "individual": TWO}, ValueError, "either inputs= or individual="),
         ({"inputs": TWO, "shared": ["c"]}, ValueError, "'c' is not one of the inputs"),
-        ({"inputs": TWO, "shared": ["a", "a"]}, ValueError, "named twice"),
-        ({"inputs": TWO, "shared": "a"}, TypeError, "shared= is a list of input names, not 'a'"),
+        ({"inputs": TWO, "shared": ["a", "a"]}, ValueError, "not 'a' twice"),
+        (
+            {"inputs": TWO, "shared": "a"},
+            TypeError,
+            "shared = 'a': give a list; .* shared= is a list of input names",
+        ),
         ({"inputs": TWO, "shared": TWO}, TypeError, "shared= is a list of input names"),
         ({"inputs": TWO, "shared": normal(0, 1)}, TypeError, "shared= is a list of input names"),
-        ({"inputs": TWO, "shared": 1}, TypeError, "shared= is a list of input names, not 1"),
+        (
+            {"inputs": TWO, "shared": 1},
+            TypeError,
+            "shared = 1: give a list; .* shared= is a list of input names",
+        ),
         ({"inputs": TWO, "shared": [0]}, TypeError, "shared= is a list of input names"),
         ({"individual": TWO, "names": ["a"]}, ValueError, "1 names for 2 inputs"),
-        ({"individual": TWO, "names": ["a", "a"]}, ValueError, "not all different"),
-        ({"individual": TWO, "input_units": ["m"]}, ValueError, "1 input_units for 2 inputs"),
+        ({"individual": TWO, "names": ["a", "a"]}, ValueError, "not 'a' twice"),
+        (
+            {"individual": TWO, "input_units": ["m"]},
+            ValueError,
+            r"input_units = \('m',\): give one for each of 2 inputs",
+        ),
         ({"shared": {"a": normal(0, 1)}, "individual": TWO}, ValueError, "'a' is named twice"),
-        ({"individual": TWO, "low_fidelity": 3}, TypeError, "low_fidelity 3 is not callable"),
+        ({"individual": TWO, "low_fidelity": 3}, TypeError, "low_fidelity = 3: give a function"),
     ],
 )
 def test_what_does_not_fit_together_is_refused(
@@ -119,7 +135,7 @@ def test_what_does_not_fit_together_is_refused(
 
 
 def test_the_model_must_be_callable() -> None:
-    with pytest.raises(TypeError, match=r"model 3\.0 is not callable"):
+    with pytest.raises(TypeError, match=r"model = 3\.0: give a function of X"):
         Problem(3.0, individual=TWO)  # type: ignore[arg-type]
 
 

@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.checks import (
+    function,
+    instance,
+    keep,
+    or_none,
+    real,
+    refused,
+    several,
+    text,
+    whole,
+)
+from uqfold.checks import (
+    names as checked_names,
+)
 from uqfold.inputs import JointInputs, joint_inputs, product_inputs
 from uqfold.problems.criterion import Criteria, criteria
-from uqfold.problems.structure import CutSets, KOutOfN, Series, Structure
+from uqfold.problems.structure import CutSets, KOutOfN, Parallel, Series, Structure
 from uqfold.typing import FloatArray, Model
 
 if TYPE_CHECKING:
@@ -41,6 +55,11 @@ class Unit:
     individual: Any = None
     offset: float = 0.0
     name: str = ""
+
+    def __post_init__(self) -> None:
+        keep(self, "model", or_none, function, "give a function of X (n, d)")
+        keep(self, "offset", real)
+        keep(self, "name", text, empty=True)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -123,32 +142,39 @@ class Problem:
         default_criteria: Criteria | None = None,
         references: ReferenceTable | None = None,
     ) -> None:
-        if not callable(model):
-            raise TypeError(f"model {model!r} is not callable: give a function of X (n, d)")
-        if low_fidelity is not None and not callable(low_fidelity):
-            raise TypeError(f"low_fidelity {low_fidelity!r} is not callable")
+        function("model", model, "give a function of X (n, d)")
+        or_none("low_fidelity", low_fidelity, function, "give a function of X (n, d)")
+        names = or_none("names", names, checked_names)
         if inputs is not None:
             if individual is not None:
-                raise ValueError("give either inputs= or individual=, not both")
+                raise refused("individual", individual, "give either inputs= or individual=")
             joint = joint_inputs(inputs, _names_of_shared(shared), names)
         else:
             joint = product_inputs(shared, individual, names)
-        unit_names = tuple(input_units) if input_units is not None else ("",) * joint.dimension
+        unit_names = ("",) * joint.dimension
+        if input_units is not None:
+            unit_names = several("input_units", input_units, text, empty=True)
         if len(unit_names) != joint.dimension:
-            raise ValueError(f"{len(unit_names)} input_units for {joint.dimension} inputs")
+            raise refused(
+                "input_units", unit_names, f"give one for each of {joint.dimension} inputs"
+            )
+        if name is None:
+            name = str(getattr(model, "__name__", "problem"))
         fields: dict[str, Any] = {
             "model": model,
             "inputs": joint,
             "units": _checked_units(units),
-            "structure": Series() if structure is None else structure,
+            "structure": Series() if structure is None else _checked_structure(structure),
             "low_fidelity": low_fidelity,
-            "version": version,
-            "name": name if name is not None else getattr(model, "__name__", "problem"),
-            "response": response,
-            "response_unit": response_unit,
+            "version": or_none("version", version, text),
+            "name": text("name", name, empty=True),
+            "response": text("response", response),
+            "response_unit": text("response_unit", response_unit, empty=True),
             "input_units": unit_names,
-            "default_criteria": default_criteria,
-            "references": references,
+            "default_criteria": or_none(
+                "default_criteria", default_criteria, instance, Criteria, "give criteria(...)"
+            ),
+            "references": _checked_references(references),
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
@@ -172,6 +198,7 @@ class Problem:
         options
             Further arguments of `Problem`, for instance ``name``.
         """
+        function("g", g, "give a function of X (n, d)")
         options.setdefault("name", getattr(g, "__name__", "limit state"))
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
         return cls(_Negated(g), inputs=inputs, units=1, **options)
@@ -238,30 +265,41 @@ class _Negated:
 def _names_of_shared(shared: Any) -> Sequence[str]:
     if shared is None:
         return ()
-    listed = isinstance(shared, Iterable) and not isinstance(shared, str | Mapping)
-    if not listed or not all(isinstance(name, str) for name in shared):
-        raise TypeError(f"with inputs=, shared= is a list of input names, not {shared!r}")
-    return list(shared)
+    try:
+        return checked_names("shared", shared)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{error}; with inputs=, shared= is a list of input names") from None
 
 
-def _checked_units(units: int | Sequence[Unit]) -> int | tuple[Unit, ...]:
-    if isinstance(units, bool) or not isinstance(units, int | np.integer | Sequence):
-        raise TypeError(f"units = {units!r}: give a whole number or a sequence of Unit")
-    if isinstance(units, Sequence):
-        if not units or not all(isinstance(unit, Unit) for unit in units):
-            raise TypeError(f"units = {units!r}: give a whole number or a sequence of Unit")
-        return tuple(units)
-    if units < 1:
-        raise ValueError(f"units = {units}: a system has at least one unit")
-    return int(units)
+def _checked_units(units: Any) -> int | tuple[Unit, ...]:
+    if isinstance(units, Sequence) and not isinstance(units, str | bytes | bytearray):
+        if not units:
+            raise refused("units", units, "give at least one Unit")
+        return several("units", units, instance, Unit, "give a Unit")
+    return whole("units", units, at_least=1, what="list of Unit or a whole number")
+
+
+def _checked_structure(structure: Structure) -> Structure:
+    kinds = (Series, Parallel, KOutOfN, CutSets)
+    wanted = "give Series(), Parallel(), KOutOfN(k) or CutSets(sets)"
+    checked: Structure = instance("structure", structure, kinds, wanted)
+    return checked
+
+
+def _checked_references(references: ReferenceTable | None) -> ReferenceTable | None:
+    from uqfold.problems.reference import ReferenceTable
+
+    return or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")
 
 
 def _check_structure(structure: Structure, n_units: int) -> None:
     if isinstance(structure, KOutOfN) and structure.k > n_units:
-        raise ValueError(f"{structure} cannot hold for a system of {n_units} units")
+        raise refused("structure", structure, f"it cannot hold for a system of {n_units} units")
     if isinstance(structure, CutSets):
         largest = max(max(one) for one in structure.sets)
         if largest >= n_units:
-            raise ValueError(
-                f"{structure} names unit {largest}, but the system has {n_units} units, from 0"
+            raise refused(
+                "structure",
+                structure,
+                f"it names unit {largest}, but the system has {n_units} units, from 0",
             )

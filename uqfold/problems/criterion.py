@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, overload
 
-import numpy as np
+from uqfold.checks import instance, keep, listed, or_none, real, refused, whole
 
 
 @dataclass(frozen=True)
@@ -16,7 +15,7 @@ class Binomial:
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If `planned` is not a positive whole number or `p` is outside [0, 1].
     """
 
@@ -24,12 +23,8 @@ class Binomial:
     p: float
 
     def __post_init__(self) -> None:
-        if not _is_count(self.planned):
-            raise ValueError(f"Binomial(planned={self.planned!r}): give a whole number >= 1")
-        if not 0.0 <= self.p <= 1.0:
-            raise ValueError(f"Binomial(p={self.p}): a probability lies in [0, 1]")
-        object.__setattr__(self, "planned", int(self.planned))
-        object.__setattr__(self, "p", float(self.p))
+        keep(self, "planned", whole, at_least=1)
+        keep(self, "p", real, at_least=0.0, at_most=1.0, what="probability")
 
     def __str__(self) -> str:
         return f"binomial({self.planned}, {self.p:g})"
@@ -54,8 +49,9 @@ class Criterion:
 
     Raises
     ------
-    ValueError
-        If a value is NaN, tau is negative, or the number of missions is not a whole number >= 1.
+    ValueError, TypeError
+        If a value is no number, tau is negative, or missions is neither a whole number >= 1 nor a
+        `Binomial`.
     """
 
     threshold: float
@@ -63,19 +59,10 @@ class Criterion:
     missions: Missions = 1
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "threshold", float(self.threshold))
-        if math.isnan(self.threshold):
-            raise ValueError("threshold is NaN: give a number, or +-inf")
-        if self.tau is not None:
-            object.__setattr__(self, "tau", float(self.tau))
-            if math.isnan(float(self.tau)) or float(self.tau) < 0.0:
-                raise ValueError(f"tau = {self.tau}: give a number >= 0, or None")
+        keep(self, "threshold", real, finite=False, what="number or +-inf")
+        keep(self, "tau", or_none, real, at_least=0.0, finite=False)
         if not isinstance(self.missions, Binomial):
-            if not _is_count(self.missions):
-                raise ValueError(
-                    f"missions = {self.missions!r}: give a whole number >= 1, or a Binomial"
-                )
-            object.__setattr__(self, "missions", int(self.missions))
+            keep(self, "missions", whole, at_least=1, what="Binomial or a whole number")
 
     @property
     def max_missions(self) -> int:
@@ -94,12 +81,12 @@ class Criteria(Sequence[Criterion]):
     """An immutable, ordered set of criteria, answered together by one run of a method."""
 
     def __init__(self, criteria: Iterable[Criterion]) -> None:
-        self._criteria = tuple(criteria)
-        wrong = [c for c in self._criteria if not isinstance(c, Criterion)]
-        if wrong:
-            raise TypeError(f"{wrong[0]!r} is not a Criterion")
+        self._criteria = tuple(
+            instance(f"criteria[{i}]", one, Criterion, "give a Criterion")
+            for i, one in enumerate(listed("criteria", criteria, what="list of Criterion"))
+        )
         if not self._criteria:
-            raise ValueError("no criterion: give at least one threshold")
+            raise refused("criteria", self._criteria, "give at least one Criterion")
 
     @overload
     def __getitem__(self, index: int) -> Criterion: ...
@@ -158,18 +145,18 @@ def criteria(
     >>> print(grid[1])
     T = 0.56, m = 1
     """
-    thresholds, taus, profiles = _listed(threshold), _listed(tau), _listed(missions)
+    thresholds = _one_or_more("threshold", threshold)
+    taus = _one_or_more("tau", tau)
+    profiles = _one_or_more("missions", missions)
     return Criteria(Criterion(t, s, m) for s in taus for m in profiles for t in thresholds)
 
 
-def _is_count(value: object) -> bool:
-    """Whether a value is a whole number >= 1, of whatever numeric type."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        return False
-    number = float(value)
-    return number.is_integer() and number >= 1.0
-
-
-def _listed(value: Any) -> list[Any]:
-    scalar = isinstance(value, str) or (isinstance(value, np.ndarray) and value.ndim == 0)
-    return list(value) if isinstance(value, Iterable) and not scalar else [value]
+def _one_or_more(name: str, value: Any) -> tuple[Any, ...]:
+    """Return the items of a list, or a value that is none as the only item."""
+    one = isinstance(value, str | bytes | bytearray | Mapping)
+    if one or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
+        return (value,)
+    items = tuple(value)
+    if not items:
+        raise refused(name, value, "give at least one value")
+    return items

@@ -44,6 +44,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from uqfold.checks import choice, keep
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
@@ -77,6 +78,9 @@ class RockerAngle:
     """
 
     branch: Branch = "open"
+
+    def __post_init__(self) -> None:
+        keep(self, "branch", choice, get_args(Branch))
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Give the angles.
@@ -123,8 +127,7 @@ def four_bar(branch: Branch = "open") -> Problem:
     ValueError
         If there is no such branch.
     """
-    if branch not in get_args(Branch):
-        raise ValueError(f"branch = {branch!r}: choose from {get_args(Branch)}")
+    branch = choice("branch", branch, get_args(Branch))
     suffix = "" if branch == "open" else "-crossed"
     return Problem(
         RockerAngle(branch),

@@ -25,6 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.checks import keep, real
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.reference import load_references
@@ -44,6 +45,9 @@ class FourBranchLimitState:
     """
 
     k: float = DEFAULT_K
+
+    def __post_init__(self) -> None:
+        keep(self, "k", real, above=0.0)
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Give g (n,) of X (n, 2); failure when it is not positive."""
@@ -70,16 +74,15 @@ def four_branch(k: float = DEFAULT_K) -> Problem:
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If `k` is not a positive number.
     """
-    if not (math.isfinite(k) and k > 0.0):
-        raise ValueError(f"k = {k}: the branches lie at k / 2, give a positive number")
+    k = real("k", k, above=0.0)
     return Problem.from_limit_state(
-        FourBranchLimitState(float(k)),
+        FourBranchLimitState(k),
         {"x1": normal(0.0, 1.0), "x2": normal(0.0, 1.0)},
         name="four-branch" if k == DEFAULT_K else f"four-branch (k = {k:g})",
-        version=f"four-branch-{k:g}",
+        version=f"four-branch-{k:.17g}",
         response="-g",
         references=load_references("four_branch") if k == DEFAULT_K else None,
     )

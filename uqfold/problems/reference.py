@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
 
+from uqfold.checks import instance, keep, real, text
 from uqfold.problems.criterion import Binomial, Criterion, Missions
 
 SCHEMA = "uqfold-reference/1"
@@ -32,6 +32,11 @@ class Reference:
     criterion: Criterion
     pf: float
     std_error: float
+
+    def __post_init__(self) -> None:
+        keep(self, "criterion", instance, Criterion, "give a Criterion")
+        keep(self, "pf", real, at_least=0.0, at_most=1.0, what="probability")
+        keep(self, "std_error", real, at_least=0.0)
 
 
 @dataclass(frozen=True)
@@ -58,9 +63,18 @@ class ReferenceTable:
     command: str
     entries: Mapping[Criterion, Reference]
 
+    def __post_init__(self) -> None:
+        keep(self, "problem", text)
+        for name in ("kind", "how", "command"):
+            keep(self, name, text, empty=True)
+        keep(self, "entries", instance, Mapping, "give a dict of Criterion -> Reference")
+        for criterion, reference in self.entries.items():
+            instance("a key of entries", criterion, Criterion, "give a Criterion")
+            instance(f"entries[{criterion}]", reference, Reference, "give a Reference")
+
     def lookup(self, criterion: Criterion) -> Reference | None:
         """Give the reference of exactly this criterion, or None; nothing is interpolated."""
-        return self.entries.get(criterion)
+        return self.entries.get(instance("criterion", criterion, Criterion, "give a Criterion"))
 
     def __iter__(self) -> Iterator[Reference]:
         return iter(self.entries.values())
@@ -97,12 +111,9 @@ def parse_references(document: Mapping[str, Any]) -> ReferenceTable:
         entries: dict[Criterion, Reference] = {}
         for row in document["rows"]:
             criterion = Criterion(row["threshold"], row["tau"], _missions(row["missions"]))
-            pf, error = float(row["pf"]), float(row["std_error"])
-            if not (0.0 <= pf <= 1.0 and error >= 0.0 and math.isfinite(error)):
-                raise ValueError(f"reference for {criterion}: pf = {pf}, std_error = {error}")
             if criterion in entries:
                 raise ValueError(f"two references for {criterion}")
-            entries[criterion] = Reference(criterion, pf, error)
+            entries[criterion] = Reference(criterion, row["pf"], row["std_error"])
         return ReferenceTable(
             problem=str(document["problem"]),
             kind=str(document["kind"]),

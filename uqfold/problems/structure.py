@@ -10,6 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from uqfold.checks import keep, listed, refused, whole
+
 
 @dataclass(frozen=True)
 class Series:
@@ -28,8 +30,7 @@ class KOutOfN:
     k: int
 
     def __post_init__(self) -> None:
-        if self.k < 1:
-            raise ValueError(f"KOutOfN(k={self.k}): k must be at least 1")
+        keep(self, "k", whole, at_least=1)
 
 
 @dataclass(frozen=True, init=False)
@@ -39,11 +40,15 @@ class CutSets:
     sets: tuple[frozenset[int], ...]
 
     def __init__(self, sets: Iterable[Iterable[int]]) -> None:
-        frozen = tuple(frozenset(int(i) for i in one) for one in sets)
-        if not frozen or any(not one for one in frozen):
-            raise ValueError(f"CutSets({sets!r}): give at least one set, none of them empty")
-        if any(i < 0 for one in frozen for i in one):
-            raise ValueError(f"CutSets({sets!r}): unit indices count from 0")
+        frozen = tuple(
+            frozenset(
+                whole(f"a unit of sets[{i}]", unit, at_least=0)
+                for unit in listed(f"sets[{i}]", one, what="set of unit indices", sets=True)
+            )
+            for i, one in enumerate(listed("sets", sets, what="list of sets", sets=True))
+        )
+        if not frozen or not all(frozen):
+            raise refused("sets", sets, "give at least one set, none of them empty")
         object.__setattr__(self, "sets", frozen)
 
 

@@ -27,8 +27,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
-
+from uqfold.checks import instance, mapping, or_none, real, refused
 from uqfold.inputs import normal
 from uqfold.mechanism import WingParameters
 from uqfold.problems.base import Problem
@@ -206,7 +205,7 @@ def folding_wing(
     >>> folding_wing(means={"V_q": 100.0}).inputs.marginals[0].getMean()[0]
     100.0
     """
-    wing = WingParameters() if parameters is None else parameters
+    wing = _checked(parameters)
     table = _changed(TABLE_6, wing, means, standard_deviations)
     as_printed = table == TABLE_6
     return _problem(
@@ -246,7 +245,7 @@ def folding_wing_random_lengths(
     ValueError, TypeError
         As `folding_wing`.
     """
-    wing = WingParameters() if parameters is None else parameters
+    wing = _checked(parameters)
     table = _changed(TABLE_10, wing, means, standard_deviations)
     return _problem(
         "folding-wing-random-lengths",
@@ -257,6 +256,12 @@ def folding_wing_random_lengths(
     )
 
 
+def _checked(parameters: WingParameters | None) -> WingParameters:
+    wanted = "give WingParameters(...)"
+    given = or_none("parameters", parameters, instance, WingParameters, wanted)
+    return WingParameters() if given is None else given
+
+
 def _changed(
     table: Table,
     wing: WingParameters,
@@ -264,22 +269,18 @@ def _changed(
     standard_deviations: Mapping[str, float] | None,
 ) -> Table:
     """Put the changed values into the table, if they are possible."""
-    for argument, changes in (("means", means), ("standard_deviations", standard_deviations)):
-        for name, value in (changes or {}).items():
-            if name not in table:
-                raise ValueError(f"{argument}: no input is named {name!r}, only {', '.join(table)}")
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-                raise TypeError(f"{argument}: {name} = {value!r}: give a number")
-            if not math.isfinite(value) or (argument == "standard_deviations" and value <= 0.0):
-                wanted = "a finite" if argument == "means" else "a positive, finite"
-                raise ValueError(
-                    f"{argument}: {name} = {value} {INPUT_UNITS[name]}: give {wanted} number"
-                )
+    new_means = or_none("means", means, mapping, real) or {}
+    new_deviations = (
+        or_none("standard_deviations", standard_deviations, mapping, real, above=0.0) or {}
+    )
+    for argument, changes in (("means", new_means), ("standard_deviations", new_deviations)):
+        unknown = [name for name in changes if name not in table]
+        if unknown:
+            raise refused(
+                argument, changes, f"no input is named {unknown[0]!r}, only {', '.join(table)}"
+            )
     changed = {
-        name: (
-            float((means or {}).get(name, mean)),
-            float((standard_deviations or {}).get(name, deviation)),
-        )
+        name: (new_means.get(name, mean), new_deviations.get(name, deviation))
         for name, (mean, deviation) in table.items()
     }
     try:
