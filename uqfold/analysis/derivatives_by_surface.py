@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.analysis.fitted_surface import FittedSurface, SurfaceMethod, fit_surface
 from uqfold.analysis.pf_derivatives import (
     Differentiated,
@@ -46,6 +47,7 @@ _RELATIVE_ERROR, _ABSOLUTE_ERROR = 4e-3, 2e-4
 of it, and per standard deviation of the input."""
 
 
+@one_blas_thread()
 def surface_derivatives(
     problem: Problem,
     criteria: CriteriaLike = None,
@@ -179,13 +181,10 @@ def _answer(
     inputs: JointInputs,
 ) -> tuple[FloatArray, FloatArray]:
     """Reliability indices (C,) with the inputs as given, and their changes (R, C) by the draws."""
-    from threadpoolctl import threadpool_limits
-
     mean = fitted.seen_from(fitted.surface.mean, inputs)
     drawn = fitted.seen_from(paths, inputs)
-    with threadpool_limits(1):
-        found = system.failures(mean, criteria, noise=fitted.noise)
-        changes = system.changes(mean, drawn, criteria, noise=fitted.noise)
+    found = system.failures(mean, criteria, noise=fitted.noise)
+    changes = system.changes(mean, drawn, criteria, noise=fitted.noise)
     return np.array([reliability_index(one) for one in found]), changes
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.analysis.design import Design, Scan, Seek, check_target, located
 from uqfold.analysis.fitted_surface import fit_surface
 from uqfold.evaluation import Evaluator
@@ -68,6 +69,7 @@ class _Question:
         )
 
 
+@one_blas_thread()
 def design_input(
     problem: Problem,
     criterion: Criterion,
@@ -185,7 +187,6 @@ def _on_surface(
     evaluator: Evaluator | None,
 ) -> tuple[Scan, CriterionResult]:
     from scipy.special import ndtr
-    from threadpoolctl import threadpool_limits
 
     problem, criteria = question.problem, [question.criterion]
     fitted = fit_surface(
@@ -195,20 +196,19 @@ def _on_surface(
     paths = fitted.surface.sample_paths(block_generator(seed, _STREAM), _DRAWS)
     pf, index, spread = np.empty((3, values.size))
     resolved = True
-    with threadpool_limits(1):
-        for i, value in enumerate(values):
-            here = question.place(float(value))[0].inputs
-            mean = fitted.seen_from(fitted.surface.mean, here)
-            drawn = fitted.seen_from(paths, here)
-            # laid out anew, since the directions that matter change with the distribution
-            system = SurfaceSystem.of(
-                mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
-            )
-            resolved &= system.rule.resolved
-            [found] = system.failures(mean, criteria, noise=fitted.noise)
-            changes = system.changes(mean, drawn, criteria, noise=fitted.noise)[:, 0]
-            pf[i], index[i] = found.pf, reliability_index(found)
-            spread[i] = fitted.overconfidence * float(changes.std(ddof=1))
+    for i, value in enumerate(values):
+        here = question.place(float(value))[0].inputs
+        mean = fitted.seen_from(fitted.surface.mean, here)
+        drawn = fitted.seen_from(paths, here)
+        # laid out anew, since the directions that matter change with the distribution
+        system = SurfaceSystem.of(
+            mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
+        )
+        resolved &= system.rule.resolved
+        [found] = system.failures(mean, criteria, noise=fitted.noise)
+        changes = system.changes(mean, drawn, criteria, noise=fitted.noise)[:, 0]
+        pf[i], index[i] = found.pf, reliability_index(found)
+        spread[i] = fitted.overconfidence * float(changes.std(ddof=1))
     reach = _T95 * np.hypot(spread, _INTEGRATION_ERROR)
     note = "" if resolved else "the surface is not integrated accurately"
     scan = Scan(values, pf, ndtr(-index - reach), ndtr(-index + reach), (note,) * values.size)

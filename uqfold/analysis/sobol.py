@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.analysis.affordable import check_affordable
 from uqfold.analysis.fitted_surface import fit_surface
 from uqfold.evaluation import Evaluator
@@ -190,6 +191,7 @@ def pick_freeze(
     )  # fmt: skip
 
 
+@one_blas_thread()
 def chaos_sobol(
     problem: Problem,
     method: PolynomialChaos | None = None,

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from uqfold.algebra import program_blas_threads
 from uqfold.evaluation.batch import GIVE_UP_AFTER, RowModel, shown
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
 from uqfold.evaluation.executors import Executor, Runner
@@ -269,12 +270,14 @@ class EvaluationSession:
             return
         number = next(self._numbers)
         under_way[number] = batch
-        self._runner.submit(number, x, first and self._n_good == 0)
+        with program_blas_threads():
+            self._runner.submit(number, x, first and self._n_good == 0)
 
     def _collect(self, under_way: dict[int, _Batch]) -> None:
         """Wait for any batch under way, and keep its responses."""
-        while (found := self._runner.finished(WAKE_SECONDS)) is None:
-            self._check_deadline()
+        with program_blas_threads():
+            while (found := self._runner.finished(WAKE_SECONDS)) is None:
+                self._check_deadline()
         number, outcome = found
         batch = under_way.pop(number)
         if batch.missing is None:

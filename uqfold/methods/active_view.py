@@ -68,14 +68,6 @@ class View:
     @classmethod
     def of(cls, process: GaussianProcess, question: Question, rng: np.random.Generator) -> View:
         """Look at a process."""
-        from threadpoolctl import threadpool_limits
-
-        # many small products of matrices: threads that wait for each other make them slower
-        with threadpool_limits(1):
-            return cls._of(process, question, rng)
-
-    @classmethod
-    def _of(cls, process: GaussianProcess, question: Question, rng: np.random.Generator) -> View:
         answers = question.answers(process)
         cloud, influence = _cloud(process, answers, rng)
         pf = _sampled(process, question, cloud, rng) if answers.pf is None else answers.pf

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uqfold.algebra import one_blas_thread
 from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
 from uqfold.methods.arguments import CriteriaLike
@@ -230,7 +231,8 @@ class AskTellSession:
         started = time.perf_counter()
         task = self._run.task
         try:
-            x = next(self._steps) if responses is None else self._steps.send(responses)
+            with one_blas_thread():
+                x = next(self._steps) if responses is None else self._steps.send(responses)
             self._asked = task.session.admit(x) + 0.0
         except StopIteration as stop:
             found = returned_by(stop)

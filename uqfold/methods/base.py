@@ -15,6 +15,7 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.evaluation import (
     BudgetExceededError,
     EngineError,
@@ -253,7 +254,7 @@ class ReliabilityMethod(ABC):
         if not task.criteria:
             return Solution([])
         try:
-            with time_checked_by(task.session.check_time):
+            with one_blas_thread(), time_checked_by(task.session.check_time):
                 solution = solve()
             if len(solution.estimates) != len(task.criteria):
                 raise ValueError(

@@ -112,23 +112,6 @@ def surface_estimates(
         the surface himself; None: from surfaces drawn from the posterior, and the surface is
         judged by cross-validation.
     """
-    from threadpoolctl import threadpool_limits
-
-    # many small products of matrices: threads that wait for each other make them slower
-    with threadpool_limits(1):
-        return _estimates(task, surface, runs, rng, noise, rivals, max_points, beta_std)
-
-
-def _estimates(
-    task: Task,
-    surface: ResponseSurface,
-    runs: DesignRuns,
-    rng: np.random.Generator,
-    noise: float,
-    rivals: Sequence[Rival],
-    max_points: int,
-    beta_std: FloatArray | None,
-) -> list[Estimate]:
     problem = task.problem
     inputs = problem.inputs
     system = SurfaceSystem.of(

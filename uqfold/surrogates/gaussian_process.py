@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.hermite import hermite_basis, total_degree_indices
@@ -182,6 +183,7 @@ class SamplePaths:
         return self.prior(u) + out + gp._centre
 
 
+@one_blas_thread()
 def fit_gaussian_process(
     u: FloatArray,
     y: FloatArray,

@@ -78,7 +78,6 @@ def estimate_hyperparameters(
         Known, or None to learn it.
     """
     from scipy.optimize import minimize
-    from threadpoolctl import threadpool_limits
 
     objective = _Objective(u, y, basis, kernel, noise_variance)
     bounds = [tuple(np.log(_LENGTH_RANGE))] * u.shape[1] + [tuple(np.log(_PROCESS_RANGE))]
@@ -86,15 +85,11 @@ def estimate_hyperparameters(
         bounds.append(tuple(np.log(_NOISE_RANGE)))
     best_value, best = math.inf, objective.pack(starts[0])
     options = {"maxiter": 80, "ftol": 1e-8, "gtol": 1e-4}
-    # matrices this small are many times slower on several threads that wait for each other
-    with threadpool_limits(1):
-        for start in starts:
-            x0 = np.clip(objective.pack(start), *np.array(bounds).T)
-            found = minimize(
-                objective, x0, jac=True, method="L-BFGS-B", bounds=bounds, options=options
-            )
-            if found.fun < best_value:
-                best_value, best = float(found.fun), found.x
+    for start in starts:
+        x0 = np.clip(objective.pack(start), *np.array(bounds).T)
+        found = minimize(objective, x0, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+        if found.fun < best_value:
+            best_value, best = float(found.fun), found.x
     return objective.unpack(best)
 
 

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.algebra import one_blas_thread
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.hermite import hermite_basis, rescaled, total_degree_indices
@@ -203,6 +204,7 @@ def evaluate(u: FloatArray, indices: IntArray, coefficients: FloatArray) -> Floa
     return out
 
 
+@one_blas_thread()
 def fit_polynomial_chaos(
     u: FloatArray,
     y: FloatArray,
@@ -257,6 +259,7 @@ def fit_polynomial_chaos(
     )
 
 
+@one_blas_thread()
 def fit_basis(
     u: FloatArray, y: FloatArray, indices: IntArray
 ) -> Callable[[FloatArray], FloatArray]:

@@ -82,16 +82,6 @@ def select_basis(
     max_orders
         Highest degree in each variable (d,); None: `max_degree`.
     """
-    from threadpoolctl import threadpool_limits
-
-    # matrices this small are many times slower on several threads that wait for each other
-    with threadpool_limits(1):
-        return _best_fit(u, y, sparse, max_degree, max_orders)
-
-
-def _best_fit(
-    u: FloatArray, y: FloatArray, sparse: bool, max_degree: int, max_orders: IntArray | None
-) -> Regression:
     n, d = u.shape
     best = _Fits(u, y, total_degree_indices(d, 0)).prefix(1)
     since = 0

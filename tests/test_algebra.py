@@ -1,0 +1,256 @@
+"""Linear algebra that decides runs on one BLAS thread; the program's setting comes back."""
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import scipy.linalg  # noqa: F401 - brings a BLAS library of its own
+from threadpoolctl import ThreadpoolController
+
+import uqfold
+from uqfold import algebra
+from uqfold.algebra import one_blas_thread, program_blas_threads
+from uqfold.methods import FFNIPearson, Kriging, MonteCarlo
+from uqfold.methods.polynomial_chaos import PolynomialChaos
+from uqfold.testing.curved import CurvedSystem
+
+LIBRARIES = ThreadpoolController().select(user_api="blas")
+
+
+def setting() -> list[int]:
+    return [library.get_num_threads() for library in LIBRARIES.lib_controllers]
+
+
+@pytest.fixture(autouse=True)
+def _three_threads() -> Iterator[None]:
+    if not LIBRARIES.lib_controllers:
+        pytest.skip("no BLAS library whose threads can be set")
+    with LIBRARIES.limit(limits=3):
+        if setting() != [3] * len(setting()):
+            pytest.skip("BLAS libraries that cannot take three threads")
+        yield
+
+
+THREE, ONE = [3] * len(setting()), [1] * len(setting())
+
+
+def test_nested_use_and_an_exception_restore_the_setting() -> None:
+    def interrupted() -> None:
+        with one_blas_thread():
+            assert setting() == ONE
+            with program_blas_threads():
+                assert setting() == THREE
+                with one_blas_thread():
+                    assert setting() == ONE
+                assert setting() == THREE
+            assert setting() == ONE
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), one_blas_thread():
+        interrupted()
+    assert setting() == THREE
+
+
+def test_setting_comes_back_when_the_last_of_several_threads_is_done() -> None:
+    entered, leave = threading.Event(), threading.Event()
+
+    def other() -> None:
+        with one_blas_thread():
+            entered.set()
+            leave.wait(10.0)
+
+    thread = threading.Thread(target=other)
+    with one_blas_thread():
+        thread.start()
+        assert entered.wait(10.0)
+        with program_blas_threads():
+            # what the other one computes must not depend on what this one is at
+            assert setting() == ONE
+    assert setting() == ONE
+    leave.set()
+    thread.join()
+    assert setting() == THREE
+
+
+def test_ctrl_c_while_the_setting_is_restored_loses_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    settle, calls = algebra._STATE._settle, []
+
+    def interrupted() -> None:
+        calls.append(None)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        settle()
+
+    monkeypatch.setattr(algebra._STATE, "_settle", interrupted)
+    with pytest.raises(KeyboardInterrupt), one_blas_thread():
+        assert setting() == ONE
+    assert setting() == THREE
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
+def test_forked_child_has_the_setting_of_the_program_although_another_thread_computes() -> None:
+    entered, leave = threading.Event(), threading.Event()
+
+    def other() -> None:
+        with one_blas_thread():
+            entered.set()
+            leave.wait(10.0)
+
+    thread = threading.Thread(target=other)
+    thread.start()
+    assert entered.wait(10.0)
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if setting() == THREE else 1)
+    status = os.waitpid(child, 0)[1]
+    leave.set()
+    thread.join()
+    assert os.waitstatus_to_exitcode(status) == 0
+
+
+class OfEachThread:
+    """A library whose number of threads belongs to the thread that sets it."""
+
+    threading_layer = "openmp"
+
+    def __init__(self) -> None:
+        self._local = threading.local()
+
+    def get_num_threads(self) -> int:
+        return getattr(self._local, "threads", 8)
+
+    def set_num_threads(self, threads: int) -> None:
+        self._local.threads = threads
+
+
+def test_number_that_belongs_to_each_thread_is_restored_in_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    library, seen = OfEachThread(), list[int]()
+    monkeypatch.setattr(algebra, "_libraries", lambda: (library,))
+
+    def other() -> None:
+        library.set_num_threads(4)
+        with one_blas_thread():
+            seen.append(library.get_num_threads())
+            with program_blas_threads():
+                seen.append(library.get_num_threads())
+            seen.append(library.get_num_threads())
+        seen.append(library.get_num_threads())
+
+    with one_blas_thread():
+        thread = threading.Thread(target=other)
+        thread.start()
+        thread.join()
+        assert library.get_num_threads() == 1
+    assert seen == [1, 4, 1, 4]
+    assert library.get_num_threads() == 8
+
+
+class Watching:
+    """A curved system that notes the setting its model runs with."""
+
+    def __init__(self) -> None:
+        self.seen: list[list[int]] = []
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        self.seen.append(setting())
+        return CurvedSystem().response(x)
+
+    def problem(self) -> uqfold.Problem:
+        inputs = CurvedSystem().problem().inputs.distribution
+        return uqfold.Problem(
+            self, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=2
+        )
+
+
+@pytest.mark.parametrize(
+    "method", [MonteCarlo(systems=300), FFNIPearson(), PolynomialChaos(runs=20)]
+)
+def test_model_runs_with_the_setting_of_the_program(method: uqfold.ReliabilityMethod) -> None:
+    model = Watching()
+    method.estimate(model.problem(), uqfold.criteria(12.5), rng=1)
+    assert model.seen
+    assert all(seen == THREE for seen in model.seen)
+    assert setting() == THREE
+
+
+def test_four_threads_with_kriging_leave_the_setting_of_the_program() -> None:
+    class Stopped(BaseException):
+        pass
+
+    barrier = threading.Barrier(4, timeout=30.0)
+    ended: list[str] = []
+
+    def work(number: int) -> None:
+        def model(x: np.ndarray) -> np.ndarray:
+            # all of them are within their estimates now
+            barrier.wait()
+            if number == 3:
+                raise Stopped
+            return CurvedSystem().response(x)
+
+        inputs = CurvedSystem().problem().inputs.distribution
+        problem = uqfold.Problem(
+            model, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=2
+        )
+        try:
+            row = Kriging(runs=12, kernel="gaussian", trend="constant").estimate(
+                problem, uqfold.criteria(12.5), rng=number
+            )[0]
+            ended.append(row.status)
+        except Stopped:
+            ended.append("stopped")
+
+    threads = [threading.Thread(target=work, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(ended) == 4
+    assert ended.count("stopped") == 1
+    assert "failed" not in ended
+    assert setting() == THREE
+
+
+PROGRAM = """
+import uqfold
+from uqfold.methods import ActiveKriging, Kriging, PolynomialChaos
+from uqfold.testing.curved import CurvedSystem
+
+problem, criteria = CurvedSystem().problem(), uqfold.criteria([12.0, 14.0])
+for method in (ActiveKriging(runs=24, kernel="gaussian"), Kriging(runs=20, kernel="gaussian")):
+    result = method.estimate(problem, criteria, rng=3)
+    for row in result:
+        print(row.status, *(x.hex() for x in (row.pf, row.std_error, row.ci_low, row.ci_high)))
+session = PolynomialChaos(runs=20).start(problem, criteria, rng=3)
+while not session.done:
+    x = session.ask()
+    session.tell(x, problem.model(x))
+print([row.pf.hex() for row in session.result()])
+"""
+
+
+def test_answers_do_not_depend_on_the_number_of_threads() -> None:
+    def answers(threads: str) -> str:
+        environment = {
+            name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")
+        }
+        for variable in ("OPENBLAS", "MKL", "BLIS"):
+            environment[f"{variable}_NUM_THREADS"] = threads
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
+            check=True,
+        )  # fmt: skip
+        return done.stdout
+
+    one = answers("1")
+    assert one
+    assert answers("2") == one
