@@ -1,10 +1,12 @@
 """Linear algebra that decides runs on one BLAS thread; the program's setting comes back."""
 
+import math
 import os
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +16,9 @@ from threadpoolctl import ThreadpoolController
 import uqfold
 from uqfold import algebra
 from uqfold.algebra import one_blas_thread, program_blas_threads
-from uqfold.methods import FFNIPearson, Kriging, MonteCarlo
-from uqfold.methods.polynomial_chaos import PolynomialChaos
+from uqfold.methods import ActiveKriging, FFNIPearson, Kriging, MonteCarlo, PolynomialChaos
+from uqfold.methods.ask_tell import SequentialMethod
+from uqfold.testing.conduct import same_numbers
 from uqfold.testing.curved import CurvedSystem
 
 LIBRARIES = ThreadpoolController().select(user_api="blas")
@@ -220,34 +223,50 @@ def test_four_threads_with_kriging_leave_the_setting_of_the_program() -> None:
     assert setting() == THREE
 
 
+# as many runs as make BLAS share the work
+SURFACES = [
+    Kriging(runs=150, kernel="gaussian", trend="constant"),
+    ActiveKriging(runs=160, initial=150, kernel="gaussian"),
+]
+
+
+@pytest.mark.parametrize("method", SURFACES, ids=lambda method: method.name)
+def test_answer_does_not_depend_on_the_number_of_threads(method: SequentialMethod) -> None:
+    problem, criteria = CurvedSystem().problem(), uqfold.criteria(13.0)
+    with LIBRARIES.limit(limits=1):
+        one = method.estimate(problem, criteria, rng=3)
+    with LIBRARIES.limit(limits=2):
+        two = method.estimate(problem, criteria, rng=3)
+        session = method.start(problem, criteria, rng=3)
+        while not session.done:
+            x = session.ask()
+            session.tell(x, problem.model(x))
+    assert math.isfinite(one[0].pf)
+    assert same_numbers(one, two)
+    assert same_numbers(one, session.result())
+
+
 PROGRAM = """
 import uqfold
-from uqfold.methods import ActiveKriging, Kriging, PolynomialChaos
 from uqfold.testing.curved import CurvedSystem
+from tests.test_algebra import SURFACES
 
-problem, criteria = CurvedSystem().problem(), uqfold.criteria([12.0, 14.0])
-for method in (ActiveKriging(runs=24, kernel="gaussian"), Kriging(runs=20, kernel="gaussian")):
-    result = method.estimate(problem, criteria, rng=3)
+for method in [*SURFACES, *uqfold.methods.available().values()]:
+    method = method if isinstance(method, uqfold.ReliabilityMethod) else method()
+    result = method.estimate(CurvedSystem().problem(), uqfold.criteria([12.0, 14.0]), rng=3)
     for row in result:
         print(row.status, *(x.hex() for x in (row.pf, row.std_error, row.ci_low, row.ci_high)))
-session = PolynomialChaos(runs=20).start(problem, criteria, rng=3)
-while not session.done:
-    x = session.ask()
-    session.tell(x, problem.model(x))
-print([row.pf.hex() for row in session.result()])
 """
 
 
-def test_answers_do_not_depend_on_the_number_of_threads() -> None:
+@pytest.mark.slow
+def test_answers_of_all_methods_do_not_depend_on_the_environment() -> None:
     def answers(threads: str) -> str:
-        environment = {
-            name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")
-        }
-        for variable in ("OPENBLAS", "MKL", "BLIS"):
-            environment[f"{variable}_NUM_THREADS"] = threads
+        names = ("OPENBLAS", "MKL", "BLIS", "OMP")
+        environment = os.environ | {f"{name}_NUM_THREADS": threads for name in names}
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
-            check=True,
+            check=True, cwd=Path(__file__).parents[1],
         )  # fmt: skip
         return done.stdout
 
