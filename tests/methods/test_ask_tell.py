@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -287,8 +289,101 @@ def test_damaged_and_foreign_files_are_refused(tmp_path: Path) -> None:
     np.savez(path, **{**head, "x": np.array([{"a": 1}], dtype=object)})
     with pytest.raises(SessionFileError, match="damaged"):
         Walk().resume(path, outside(), ASKED)
+    for damage in (
+        '{"schema": ' + "[" * 100_000,
+        json.dumps({"schema": SCHEMA, "seed": -1, "max_evals": None}),
+        json.dumps({"schema": SCHEMA, "seed": 1.5, "max_evals": None}),
+        json.dumps({"schema": SCHEMA, "seed": 1, "max_evals": [1]}),
+        json.dumps({"schema": SCHEMA, "seed": 1}),
+        '{"schema": "' + SCHEMA + '", "seed": 1' + "0" * 5000 + "}",
+    ):
+        np.savez(path, **{**head, "header": np.array(damage)})
+        with pytest.raises(SessionFileError, match="damaged"):
+            Walk().resume(path, outside(), ASKED)
+    for rows in ([-3, 6], [2**62, 2**62, 2**62, 2**62, 3]):
+        np.savez(path, **{**head, "rows": np.array(rows)})
+        with pytest.raises(SessionFileError, match="do not fit together"):
+            Walk().resume(path, outside(), ASKED)
+    changed = json.loads(str(head["header"])) | {"seed": 10**400}
+    np.savez(path, **{**head, "header": np.array(json.dumps(changed))})
+    with pytest.raises(SessionFileError, match="its seed is 1000"):
+        Walk().resume(path, outside(), ASKED, rng=5)
     with pytest.raises(FileNotFoundError):
         Walk().resume(tmp_path / "none.npz", outside(), ASKED)
+
+
+def told(session: AskTellSession, rows: list[int], shift: float = 0.0) -> AskTellSession:
+    x = session.ask()[rows]
+    session.tell(x, SYSTEM.response(x) + shift)
+    return session
+
+
+def test_no_save_loses_the_responses_of_another_process(tmp_path: Path) -> None:
+    """Two processes saving one session file: the second is told, and the file is left as it is."""
+    path = tmp_path / "walk.npz"
+    first, second, other = (Walk().start(outside(), ASKED, rng=seed) for seed in (5, 5, 6))
+    told(first, [0]).save(path)
+    # a session that has all that the file has goes on with it
+    told(second, [1, 0]).save(path)
+    kept = path.read_bytes()
+    for session, message in (
+        (told(first, [1]), "holds responses that this session has not"),
+        (
+            told(Walk().start(outside(), ASKED, rng=5), [0, 1], 1.0),
+            "holds responses that this session",
+        ),
+        (other, "belongs to another run: its seed is"),
+    ):
+        with pytest.raises(SessionFileError, match=f"walk.npz {message}"):
+            session.save(path)
+        assert path.read_bytes() == kept
+    (tmp_path / "thesis.txt").write_text("words")
+    with pytest.raises(SessionFileError, match="no session file"):
+        first.save(tmp_path / "thesis.txt")
+    assert (tmp_path / "thesis.txt").read_text() == "words"
+
+
+def test_processes_that_save_at_once_leave_one_whole_session(tmp_path: Path) -> None:
+    path = tmp_path / "walk.npz"
+    programs = [
+        subprocess.Popen(
+            [sys.executable, "-m", "tests.methods.saving_program", str(path), str(seed)],
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=Path(__file__).parents[2],
+        )
+        for seed in (5, 6)
+    ]
+    said = [program.communicate(timeout=60.0)[0] for program in programs]
+    # one of the two was first, and all that it has saved is there
+    winner = said.index("saved 3\n")
+    assert said[1 - winner] == "refused\n"
+    assert Walk().resume(path, outside(), ASKED).seed == (5, 6)[winner]
+    assert Walk().resume(path, outside(), ASKED).n_evals == 3
+    assert [entry.name for entry in tmp_path.iterdir()] == ["walk.npz"]
+
+
+def test_the_lock_of_a_killed_process_holds_nobody_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "walk.npz"
+    code = (
+        "import pathlib, sys, time; from uqfold.methods.session_lock import locked\n"
+        "with locked(pathlib.Path(sys.argv[1])): print('locked', flush=True); time.sleep(600)"
+    )
+    holder = subprocess.Popen(
+        [sys.executable, "-c", code, str(path)], stdout=subprocess.PIPE, text=True
+    )
+    assert holder.stdout is not None
+    assert holder.stdout.readline() == "locked\n"
+    session = Walk().start(outside(), ASKED, rng=5)
+    monkeypatch.setattr("uqfold.methods.session_lock.WAIT_SECONDS", 0.1)
+    with pytest.raises(SessionFileError, match=r"walk.npz cannot be saved: another process"):
+        session.save(path)
+    holder.kill()
+    holder.communicate()
+    session.save(path)
+    assert Walk().resume(path, outside(), ASKED).seed == 5
 
 
 def test_time_of_the_model_is_not_counted() -> None:

@@ -179,7 +179,15 @@ class AskTellSession:
     def save(self, path: str | PathLike[str]) -> None:
         """Write all responses told so far to a file, from which `resume` goes on.
 
-        The file replaces a former one at once, so that an interrupted save loses nothing.
+        The file replaces a former one at once, so that an interrupted save loses nothing. Nor does
+        one of another process: a file with responses that this session has not is left as it is.
+
+        Raises
+        ------
+        SessionFileError
+            If the file belongs to another run, or holds responses that this session has not.
+        OSError
+            If it cannot be written.
         """
         batches = list(self._history)
         if self._asked is not None:

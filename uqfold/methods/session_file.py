@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -18,11 +16,14 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.checks import shown
 from uqfold.evaluation import EvaluationSession
 from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.session_lock import LockedError, locked
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import BoolArray, FloatArray, IntArray
+from uqfold.writing import replacing
 
 SCHEMA = "uqfold-session/1"
 
@@ -63,7 +64,7 @@ class SavedSession:
             if self.header.get(key) != value:
                 raise SessionFileError(
                     f"{self.path} belongs to another run: its {key} is "
-                    f"{self.header.get(key)!r}, here it is {value!r}"
+                    f"{shown(self.header.get(key))}, here it is {shown(value)}"
                 )
 
 
@@ -107,19 +108,57 @@ def write(
     batches: Sequence[tuple[FloatArray, FloatArray]],
     told: BoolArray,
 ) -> None:
-    """Write a session file, replacing a former one at once."""
+    """Write a session file, replacing at once a former one of which nothing is lost.
+
+    Several processes may save to the same file: they do so one after the other.
+
+    Raises
+    ------
+    SessionFileError
+        If there is a file of another run, one with responses that these batches have not, or
+        something else; or if another process does not end writing. The file is left as it is.
+    OSError
+        If the file cannot be written.
+    """
     target = Path(path)
-    partial = target.with_name(target.name + ".partial")
-    with partial.open("wb") as stream:
-        np.savez(
-            stream,
-            header=np.array(json.dumps({"schema": SCHEMA, **head})),
-            x=np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
-            y=np.concatenate([y for _, y in batches]) if batches else np.empty(0),
-            told=told,
-            rows=np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
-        )
-    os.replace(partial, target)
+    try:
+        with locked(target):
+            if target.exists() and target.stat().st_size:
+                _check_kept(read(target), head, batches, told)
+            with replacing(target) as stream:
+                np.savez(
+                    stream,
+                    header=np.array(json.dumps({"schema": SCHEMA, **head})),
+                    x=np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
+                    y=np.concatenate([y for _, y in batches]) if batches else np.empty(0),
+                    told=told,
+                    rows=np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
+                )
+    except LockedError as error:
+        raise SessionFileError(f"{target} cannot be saved: {error}") from error
+
+
+def _check_kept(
+    former: SavedSession,
+    head: Mapping[str, Any],
+    batches: Sequence[tuple[FloatArray, FloatArray]],
+    told: BoolArray,
+) -> None:
+    """Refuse to replace a file whose responses are not all among those to be written."""
+    former.check_belongs_to(head)
+    start = 0
+    for i, (x, y, answered) in enumerate(former.batches):
+        kept = False
+        if i < len(batches) and same_rows(x, batches[i][0]):
+            ours = told[start : start + y.size]
+            same = np.array_equal(y[answered], batches[i][1][answered], equal_nan=True)
+            kept = bool(ours[answered].all()) and same
+        if not kept and answered.any():
+            raise SessionFileError(
+                f"{former.path} holds responses that this session has not, told to another one "
+                "of the same run: resume that file, save to another, or remove it"
+            )
+        start += y.size
 
 
 def read(path: str | PathLike[str]) -> SavedSession:
@@ -139,12 +178,17 @@ def read(path: str | PathLike[str]) -> SavedSession:
             x, y, told, rows = (archive[name] for name in _ARRAYS)
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        raise SessionFileError(f"{source} is no session file, or a damaged one: {error}") from error
+    # what a damaged archive makes of NumPy, zip and JSON has no common kind: too deeply nested,
+    # too large for the memory, an unknown compression, a number of too many digits, ...
+    except Exception as error:
+        why = str(error) or type(error).__name__
+        raise SessionFileError(f"{source} is no session file, or a damaged one: {why}") from error
     if not isinstance(head, dict) or head.get("schema") != SCHEMA:
         raise SessionFileError(f"{source} does not follow the format {SCHEMA!r}")
-    if not _consistent(x, y, told, rows) or not {"seed", "max_evals"} <= head.keys():
+    if not _consistent(x, y, told, rows):
         raise SessionFileError(f"{source} is damaged: its arrays do not fit together")
+    if not {"seed", "max_evals"} <= head.keys() or not _sound(head["seed"], head["max_evals"]):
+        raise SessionFileError(f"{source} is damaged: it states no seed, or no budget")
     ends = np.cumsum(rows)
     batches = [
         (x[end - n : end], y[end - n : end], told[end - n : end])
@@ -153,10 +197,18 @@ def read(path: str | PathLike[str]) -> SavedSession:
     return SavedSession(source, head, batches)
 
 
+def _sound(seed: object, max_evals: object) -> bool:
+    kinds = type(seed) is int and type(max_evals) in (int, type(None))
+    return kinds and seed >= 0 and (max_evals is None or max_evals >= 1)  # type: ignore[operator]
+
+
 def _consistent(x: FloatArray, y: FloatArray, told: BoolArray, rows: IntArray) -> bool:
     shapes_fit = x.ndim == 2 and y.shape == told.shape == x.shape[:1] and rows.ndim == 1
     kinds_fit = x.dtype == y.dtype == np.float64 and told.dtype == np.bool_
-    return bool(shapes_fit and kinds_fit and rows.dtype == np.int64 and rows.sum() == y.size)
+    if not (shapes_fit and kinds_fit and rows.dtype == np.int64):
+        return False
+    # counted by Python, which has no largest number
+    return min(rows.tolist(), default=1) >= 0 and sum(rows.tolist()) == y.size
 
 
 def same_rows(a: FloatArray, b: FloatArray) -> bool:
