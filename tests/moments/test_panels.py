@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from uqfold.moments import chebyshev
-from uqfold.moments.panels import IntegrationError, integrate
+from uqfold.moments.panels import IntegrationError, integrals_up_to, integrate
 
 
 def test_several_integrands_at_once() -> None:
@@ -66,3 +66,32 @@ def test_chebyshev_antiderivative() -> None:
     panel, x = np.array([0, 1, 1]), np.array([-1.0, 0.2, 1.0])
     expected = np.exp(middle[panel] + half[panel] * x) - np.exp((middle - half)[panel])
     np.testing.assert_allclose(chebyshev.evaluate(sums, panel, x), expected, rtol=1e-12, atol=1e-15)
+
+
+def test_many_stops_share_the_panels_below_them() -> None:
+    calls = []
+
+    def integrand(x: np.ndarray) -> np.ndarray:
+        calls.append(x.size)
+        return np.stack([np.exp(-x), x**3])
+
+    edges = np.linspace(0.0, 3.0, 31)
+    stops = edges[[0, 5, 20, 20, 29]]
+    found = integrals_up_to(integrand, edges, stops, np.zeros((2, 5)))
+    np.testing.assert_allclose(found[0], -np.expm1(-stops), rtol=1e-13)
+    np.testing.assert_allclose(found[1], stops**4 / 4, rtol=1e-13)
+    assert sum(calls) == 29 * 15  # one rule each, and nothing beyond the last stop
+
+
+def test_an_integrand_of_noise_is_refused_before_it_fills_the_memory() -> None:
+    """tau of 1e-12 gave integrands of rounding noise, and panels without end."""
+    largest = 0
+
+    def noise(x: np.ndarray) -> np.ndarray:
+        nonlocal largest
+        largest = max(largest, x.size)
+        return np.modf(1e9 * np.sin(1e6 * x))[0][None] ** 2
+
+    with pytest.raises(IntegrationError, match="panels"):
+        integrate(noise, np.linspace(0.0, 1.0, 1001), np.zeros(1))
+    assert largest < 600_000

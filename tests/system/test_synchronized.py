@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import tracemalloc
 from decimal import Decimal, getcontext
 from fractions import Fraction
 
@@ -10,7 +11,7 @@ import pytest
 from scipy import integrate, stats
 from scipy.special import ndtr
 
-from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.conditional import AtomicDistribution, ConditionalDistribution
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution
@@ -201,3 +202,89 @@ def test_saddlepoint_has_no_density_to_integrate() -> None:
 def test_bad_input(units: int, threshold: float, tau: float, match: str) -> None:
     with pytest.raises(ValueError, match=match):
         mission(NormalDistribution(0, 1), units, threshold, tau)
+
+
+@pytest.mark.parametrize("units", [2, 4, 30])
+@pytest.mark.parametrize("tau", [1e-3, 1e-6, 1e-12, 1e-15, 1e-60])
+def test_tiny_tau_costs_little_and_is_asymptotically_right(units: int, tau: float) -> None:
+    """tau of 1e-12: works = n tau^(n-1) int h^n, which for exponential responses below T is
+    tau^(n-1) (1 - exp(-n T)) to first order in tau."""
+    failure, success = mission(EXPONENTIAL, units, 5.0, tau)
+    expected = tau ** (units - 1) * -math.expm1(-units * 5.0)
+    slack = max(1e-9, units * tau)
+    assert success == pytest.approx(expected, rel=slack, abs=1e-300)
+    assert failure == pytest.approx(1.0 - success, rel=1e-15, abs=0)
+
+
+@pytest.mark.parametrize("distribution", [EXPONENTIAL, NormalDistribution(2.0, 1.0)])
+def test_tau_zero_asks_for_equal_responses(distribution: ConditionalDistribution) -> None:
+    """tau = 0 answers 1 for two or more units with continuous responses, and not for one unit."""
+    assert mission(distribution, 2, 5.0, 0.0) == (1.0, 0.0)
+    assert mission(distribution, 1000, math.inf, 0.0) == (1.0, 0.0)
+    assert mission(distribution, 1, 3.0, 0.0) == mission(distribution, 1, 3.0, None)
+
+
+def test_tau_zero_holds_where_units_share_an_atom() -> None:
+    """Half of the responses are 1, half are normal: n units agree only if all of them are 1."""
+    parts = [
+        ConditionalResponse(AtomicDistribution((1.0,))),
+        ConditionalResponse(NormalDistribution(1.0, 1.0)),
+    ]
+    unit = UnitResponse(parts, np.array([0.5, 0.5]))
+    found = mission_probability(unit, 3, np.array([0.9, 1.0, 7.0]), 0.0)
+    np.testing.assert_allclose(found.success, [0.0, 0.125, 0.125], rtol=1e-14)
+    np.testing.assert_allclose(found.failure, [1.0, 0.875, 0.875], rtol=1e-14)
+    alike = UnitResponse(parts[:1], np.ones(1))
+    assert mission_probability(alike, 9, np.array([1.0]), 0.0).failure.tolist() == [0.0]
+
+
+def calls_of_density(monkeypatch: pytest.MonkeyPatch, units: int) -> int:
+    counted = []
+    plain = NormalDistribution.logpdf
+
+    def logpdf(self: NormalDistribution, y: np.ndarray) -> np.ndarray:
+        counted.append(np.size(y))
+        return plain(self, y)
+
+    monkeypatch.setattr(NormalDistribution, "logpdf", logpdf)
+    unit = UnitResponse([ConditionalResponse(NormalDistribution(0.0, 1.0))], np.ones(1))
+    mission_probability(unit, units, np.array([-3.0, 3.0]), 3.0)
+    return sum(counted)
+
+
+def test_many_thresholds_share_their_panels() -> None:
+    """Many thresholds with tau: 2.1 GB at 1,000, the square of their number."""
+    unit = UnitResponse([ConditionalResponse(PearsonDistribution(0, 1, 0.4, 3.4))], np.ones(1))
+    thresholds = np.linspace(-3.0, 3.0, 1_000)
+    tracemalloc.start()
+    try:
+        together = mission_probability(unit, 4, thresholds, 2.0)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 60e6
+    for row in (0, 321, 999):
+        alone = mission_probability(unit, 4, thresholds[row : row + 1], 2.0)
+        assert together.failure[row] == pytest.approx(alone.failure[0], rel=1e-11, abs=0)
+        assert together.success[row] == pytest.approx(alone.success[0], rel=1e-11, abs=0)
+
+
+def test_the_number_of_units_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1e5 units: no sum over units, and still the right tails of their largest response."""
+    assert calls_of_density(monkeypatch, 100_000) < 5 * calls_of_density(monkeypatch, 2)
+    failure, success = mission(NormalDistribution(0.0, 1.0), 100_000, 8.0, 40.0)
+    assert failure == pytest.approx(100_000 * float(ndtr(-8.0)), rel=1e-9, abs=0)
+    failure, success = mission(NormalDistribution(0.0, 1.0), 100_000, 4.0, 40.0)
+    assert success == pytest.approx(math.exp(1e5 * math.log1p(-float(ndtr(-4.0)))), rel=1e-9)
+
+
+def test_failed_runs_under_tau_cost_nothing_for_many_units() -> None:
+    """The number of units with an answer is random; the sum over it has a closed form."""
+    response = ConditionalResponse(NormalDistribution(0.0, 1.0), p_missing=0.25)
+    unit = UnitResponse([response], np.ones(1))
+    found = mission_probability(unit, 5, np.array([1.5]), 2.0)
+    known = [mission(NormalDistribution(0.0, 1.0), n, 1.5, 2.0)[0] for n in range(1, 6)]
+    shares = [math.comb(5, n) * 0.75**n * 0.25 ** (5 - n) for n in range(1, 6)]
+    assert found.failure_low[0] == pytest.approx(np.dot(shares, known), rel=1e-12)
+    assert found.failure[0] == pytest.approx(1.0 - 0.75**5 * (1.0 - known[-1]), rel=1e-12)
+    assert found.success_low[0] == pytest.approx(1.0 - found.failure_low[0], rel=1e-12)

@@ -7,8 +7,9 @@ nodes of a quadrature over v are summed, complements included.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,8 +18,18 @@ from uqfold.problems.criterion import Criterion, Missions
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.conditional_unit import UnitResponse
 from uqfold.system.missions import over_missions
-from uqfold.system.synchronized import MissionProbability, mission_probability
+from uqfold.system.synchronized import (
+    MissionProbability,
+    complementary,
+    mission_probability,
+)
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
+
+Key = TypeVar("Key")
+
+_BLOCK = 4096
+"""Thresholds answered at once: bounds memory."""
 
 __all__ = [
     "ConditionalResponse",
@@ -140,39 +151,55 @@ def _expectation(
     units: int,
     criteria: Sequence[Criterion],
 ) -> list[SystemProbability]:
-    mission = _mission_table(nodes, units, criteria)
-    results = []
-    for criterion in criteria:
-        per_node = mission(criterion)
-        failure, success = over_missions(per_node.failure, per_node.success, criterion.missions)
-        low, _ = over_missions(per_node.failure_low, per_node.success_low, criterion.missions)
-        # Weights sum to 1 up to rounding only.
-        pf, reliability, pf_low = (
-            min(float(shares @ values), 1.0) for values in (failure, success, low)
-        )
-        results.append(SystemProbability(pf, reliability, pf_low, pf))
-    return results
+    found = np.empty((4, len(criteria)))
+    for tau, rows in _grouped(criteria, lambda one: one.tau):
+        asked = np.array([criteria[row].threshold for row in rows])
+        thresholds, column = np.unique(asked, return_inverse=True)
+        for start in range(0, thresholds.size, _BLOCK):
+            block = thresholds[start : start + _BLOCK]
+            mission = _at_nodes(nodes, units, block, tau)
+            here = np.flatnonzero((column >= start) & (column < start + _BLOCK))
+            profiles = [criteria[rows[i]] for i in here]
+            for missions, some in _grouped(profiles, lambda one: one.missions):
+                of_block = column[here[some]] - start
+                answers = _over_nodes(mission, shares, missions)[:, of_block]
+                found[:, [rows[i] for i in here[some]]] = answers
+    # Weights sum to 1 up to rounding only.
+    pf, reliability = complementary(*found[:2])
+    pf_low = complementary(*found[2:])[0]
+    return [
+        SystemProbability(*values)
+        for values in zip(*(one.tolist() for one in (pf, reliability, pf_low, pf)), strict=True)
+    ]
 
 
-def _mission_table(
-    nodes: Sequence[UnitResponse], units: int, criteria: Sequence[Criterion]
-) -> Callable[[Criterion], MissionProbability]:
-    """One mission's probabilities at all nodes, for every (T, tau) that occurs: arrays (K,)."""
-    thresholds: dict[float | None, list[float]] = {}
-    for criterion in criteria:
-        group = thresholds.setdefault(criterion.tau, [])
-        if criterion.threshold not in group:
-            group.append(float(criterion.threshold))
-    tables = {}
-    for tau, group in thresholds.items():
-        rows = [mission_probability(node, units, np.array(group), tau) for node in nodes]
-        tables[tau] = tuple(
-            np.stack([getattr(row, field) for row in rows])
-            for field in ("failure", "success", "failure_low", "success_low")
-        )
+def _grouped(
+    criteria: Sequence[Criterion], key: Callable[[Criterion], Key]
+) -> Iterator[tuple[Key, list[int]]]:
+    """Values of a key, and which criteria have each of them."""
+    groups: dict[Key, list[int]] = {}
+    for row, criterion in enumerate(criteria):
+        groups.setdefault(key(criterion), []).append(row)
+    return iter(groups.items())
 
-    def look_up(criterion: Criterion) -> MissionProbability:
-        column = thresholds[criterion.tau].index(float(criterion.threshold))
-        return MissionProbability(*(table[:, column] for table in tables[criterion.tau]))
 
-    return look_up
+def _at_nodes(
+    nodes: Sequence[UnitResponse], units: int, thresholds: FloatArray, tau: float | None
+) -> MissionProbability:
+    """One mission's probabilities at all nodes, arrays (K, R)."""
+    rows = []
+    for node in nodes:
+        check_time()
+        rows.append(mission_probability(node, units, thresholds, tau))
+    return MissionProbability(
+        *(np.stack([getattr(row, field.name) for row in rows]) for field in fields(rows[0]))
+    )
+
+
+def _over_nodes(mission: MissionProbability, shares: FloatArray, missions: Missions) -> FloatArray:
+    """Failure and success over missions and nodes, failed runs failing, then ignored: (4, R)."""
+    pairs = (
+        *over_missions(mission.failure, mission.success, missions),
+        *over_missions(mission.failure_low, mission.success_low, missions),
+    )
+    return np.stack([shares @ values for values in pairs])

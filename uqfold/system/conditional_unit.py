@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,13 +21,17 @@ from uqfold.moments.conditional import (
     integrable,
 )
 from uqfold.system.conditional_response import ConditionalResponse
-from uqfold.typing import FloatArray
+from uqfold.typing import BoolArray, FloatArray
 
 Component: TypeAlias = tuple[float, IntegrableDistribution]
 """Weight and distribution."""
 
 # A mixture of many components starts from about this many panels; adaptivity adds the rest.
 _MOST_BREAKPOINTS = 400
+# Share of a tail below which its change over tau is integrated where f changes by less than a half.
+_FEW_DIGITS = 1e-3
+_SMOOTH = 1.5
+_LEGENDRE = np.polynomial.legendre.leggauss(6)
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,84 @@ class Measure:
             tails = part.tails(y)
             cdf, sf = cdf + share * tails[0], sf + share * tails[1]
         return AtCoordinate(y, density, cdf, sf)
+
+    def spread(self, x: FloatArray, tau: float) -> Spread:
+        """What the whole unit does below and within tau of the responses at coordinates x."""
+        share, part = self.parts[0]
+        y, density, cdf, sf = part.at_coordinate(x)
+        density = share * density
+        for other_share, other in self.parts[1:]:
+            density = density + other_share * other.pdf(y)
+        found = spread_of(part, y, tau, cdf, sf).scaled(share)
+        for share, part in [*self.parts[1:], *self.others]:
+            found = found.plus(spread_of(part, y, tau, *part.tails(y)).scaled(share))
+        return found._replace(density=density)
+
+
+class Spread(NamedTuple):
+    """Probabilities around a response s, arrays of its shape.
+
+    Attributes
+    ----------
+    density
+        Probability per unit of the integration coordinate.
+    cdf, sf
+        Of a response up to s, and above s.
+    below, within
+        Of a response below s - tau, and from there up to s; each accurate where it is small.
+    """
+
+    density: FloatArray
+    cdf: FloatArray
+    sf: FloatArray
+    below: FloatArray
+    within: FloatArray
+
+    def scaled(self, share: float) -> Spread:
+        """Multiply by the share of a component."""
+        return Spread(*(share * values for values in self))
+
+    def plus(self, other: Spread) -> Spread:
+        """Add another component."""
+        return Spread(*(mine + others for mine, others in zip(self, other, strict=True)))
+
+
+def spread_of(
+    part: IntegrableDistribution, y: FloatArray, tau: float, cdf: FloatArray, sf: FloatArray
+) -> Spread:
+    """Probabilities of one component around responses y, where its tails are cdf and sf.
+
+    A difference of tails keeps few digits where tau is tiny; there the density is integrated.
+    """
+    values, masses = part.atoms
+    if values.size:
+        near = np.zeros(y.shape)
+        for value, mass in zip(values, masses, strict=True):
+            near += np.where((value <= y) & (y - value <= tau), mass, 0.0)
+        return Spread(np.zeros(y.shape), cdf, sf, np.maximum(cdf - near, 0.0), near)
+    if tau == 0.0:
+        return Spread(np.zeros(y.shape), cdf, sf, cdf, np.zeros(y.shape))
+    earlier_cdf, earlier_sf = part.tails(y - tau)
+    upper = earlier_cdf > 0.5
+    within = np.maximum(np.where(upper, earlier_sf - sf, cdf - earlier_cdf), 0.0)
+    few_digits = np.flatnonzero(within < _FEW_DIGITS * np.where(upper, earlier_sf, cdf))
+    if few_digits.size:
+        integrated, smooth = _integrated(part, y[few_digits], tau)
+        within[few_digits[smooth]] = integrated[smooth]
+    return Spread(np.zeros(y.shape), cdf, sf, earlier_cdf, within)
+
+
+def _integrated(
+    part: IntegrableDistribution, y: FloatArray, tau: float
+) -> tuple[FloatArray, BoolArray]:
+    """Probability of [y - tau, y] from the density, and where that hardly changes over tau."""
+    low, high = part.support
+    top = np.minimum(y, high)
+    # tau as it is: y - tau is known to a rounding error of y only
+    half = 0.5 * np.maximum(np.minimum(tau - (y - top), top - low), 0.0)
+    density = np.stack([part.pdf(top + half * (node - 1.0)) for node in _LEGENDRE[0]])
+    smooth = density.max(axis=0) <= _SMOOTH * density.min(axis=0)
+    return np.asarray(half * (_LEGENDRE[1] @ density)), np.asarray(smooth)
 
 
 class UnitResponse:
@@ -153,6 +235,20 @@ class UnitResponse:
         summed = np.zeros(unique.size)
         np.add.at(summed, inverse, masses)
         return unique, summed
+
+    def around_atoms(self, tau: float) -> tuple[FloatArray, FloatArray]:
+        """Probability below each atom by more than tau, and below it by tau or less, (A,) each."""
+        atoms, masses = self.atoms
+        below, within = np.zeros(atoms.size), np.zeros(atoms.size)
+        for share, part in self._integrable:
+            if part.breakpoints.size:
+                found = spread_of(part, atoms, tau, *part.tails(atoms)).scaled(share)
+                below, within = below + found.below, within + found.within
+        for row, atom in enumerate(atoms):
+            distance = atom - atoms[:row]
+            below[row] += masses[:row][distance > tau].sum()
+            within[row] += masses[:row][distance <= tau].sum()
+        return below, within
 
     @cached_property
     def ends(self) -> FloatArray:

@@ -1,15 +1,15 @@
 """One mission of n exchangeable units: all fast enough, and close enough to each other.
 
 With H the distribution function of one unit's response, h its density, S = 1 - H, a mission works
-if max <= T and max - min <= tau. By conditioning on the smallest response t,
+if max <= T and max - min <= tau. By conditioning on the largest response s,
 
-    works = n int_{-inf}^{T} h(t) [H(min(t + tau, T)) - H(t)]^(n-1) dt
-    fails = 1 - H(T)^n
-          + n int_{-inf}^{T-tau} h(t) { [H(T) - H(t)]^(n-1) - [H(t + tau) - H(t)]^(n-1) } dt
+    works = n int_{-inf}^{T} h(s) [H(s) - H(s - tau)]^(n-1) ds
+    fails = 1 - H(T)^n + n int_{-inf}^{T} h(s) { H(s)^(n-1) - [H(s) - H(s - tau)]^(n-1) } ds
 
-The braces are (A - B) sum_i A^i B^(n-2-i) with A - B = S(t + tau) - S(T): positive throughout, so
-neither number is ever formed as one minus the other. An atom of mass p at t adds the same with
-n h dt X^(n-1) replaced by (X + p)^n - X^n.
+Both integrands are positive and know nothing of T, so that neither number is ever formed as one
+minus the other, and one integration answers all thresholds. The difference of powers x^k - y^k is
+formed from x - y = H(s - tau), at the same cost for any number of units. An atom of mass p at s
+adds the same with n h ds X^(n-1) replaced by (X + p)^n - X^n, where X leaves out the atom.
 """
 
 from __future__ import annotations
@@ -17,12 +17,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from uqfold.moments.panels import integrate
+from uqfold.moments.panels import integrals_up_to
 from uqfold.system.conditional_unit import Measure, UnitResponse
-from uqfold.typing import BoolArray, FloatArray
+from uqfold.typing import FloatArray
 
 
 @dataclass(frozen=True)
@@ -98,144 +100,129 @@ def _all_work(fails: FloatArray, works: FloatArray, units: int) -> tuple[FloatAr
 def _synchronized(
     unit: UnitResponse, units: int, thresholds: FloatArray, tau: float
 ) -> MissionProbability:
-    shape = thresholds.shape
-    counts = [units] if unit.p_missing == 0 else list(range(1, units + 1))
-    finite = finite_units(unit, counts, thresholds, tau)
-    bad = unit.p_never + unit.p_always
-    high = _with_bad(*finite[units], bad + unit.p_missing, units)
-    if unit.p_missing == 0:
-        return MissionProbability(*high, *high)
-    # How many units have a known answer is binomial; none: nothing is seen to fail.
-    known = max(0.0, 1.0 - unit.p_missing)
-    failure, success = np.zeros(shape), np.full(shape, unit.p_missing**units)
-    if known > 0:
-        for count in counts:
-            share = math.comb(units, count) * known**count * unit.p_missing ** (units - count)
-            fails, works = _with_bad(*finite[count], min(1.0, bad / known), count)
-            failure, success = failure + share * fails, success + share * works
-    return MissionProbability(*high, failure, success)
-
-
-def _with_bad(
-    failure: FloatArray, success: FloatArray, bad: float, units: int
-) -> tuple[FloatArray, FloatArray]:
-    """Let each unit also be bad with a given probability, which alone fails the mission."""
-    if bad >= 1.0:
-        return np.ones(failure.shape), np.zeros(success.shape)
-    log_good = units * math.log1p(-bad)
-    return -math.expm1(log_good) + math.exp(log_good) * failure, math.exp(log_good) * success
-
-
-def finite_units(
-    unit: UnitResponse, counts: Sequence[int], thresholds: FloatArray, tau: float
-) -> dict[int, tuple[FloatArray, FloatArray]]:
-    """(failure, success) (R,) each, of missions of `counts` units with finite responses."""
+    bad, missing = unit.p_never + unit.p_always, unit.p_missing
     cdf, sf = unit.tails(thresholds)
-    results = {n: _all_work(sf, cdf, n) for n in counts}
-    several = [n for n in counts if n > 1]
-    if not several or unit.p_finite == 0 or math.isinf(tau):
-        return results
-    rows = _Rows(unit, several, thresholds, cdf, sf, tau)
-    exceeds = np.stack([results[n][0] for n in several])
-    offset = np.stack([exceeds, np.zeros_like(exceeds)])
-    total = rows.from_atoms()
+    inside, outside = unit.p_finite * cdf, unit.p_finite * sf
+    high = _all_work(bad + missing + outside, inside, units)
+    # no unit with an answer: nothing is seen to fail
+    low = _all_work(bad + outside, missing + inside, units) if missing > 0 else high
+    if units == 1 or unit.p_finite == 0.0 or math.isinf(tau):
+        return MissionProbability(*high, *low)
+    ignored = [0.0, missing] if missing > 0 else [0.0]
+    largest = _Largest(unit, units, tau, ignored)
+    stops, place = np.unique(thresholds, return_inverse=True)
+    late = np.stack([high[0], low[0]][: len(ignored)])
+    nobody = np.array(ignored)[:, None] ** units * np.ones(thresholds.size)
+    offset = np.empty((2, len(ignored), stops.size))
+    offset[0, :, place], offset[1, :, place] = late.T, nobody.T
+    total = offset + largest.atoms_up_to(stops)
     for measure in unit.measures:
-        total = total + integrate(
-            lambda x, measure=measure: rows.integrand(measure, x),  # type: ignore[misc]
-            rows.edges(measure),
-            (offset + total).ravel(),
-        ).reshape(total.shape)
-    for index, n in enumerate(several):
-        results[n] = exceeds[index] + total[0, index], total[1, index]
-    return results
+        total = total + largest.continuous_up_to(measure, stops, total)
+    failure, success = complementary(*np.minimum(total, 1.0)[:, :, place])
+    return MissionProbability(failure[0], success[0], failure[-1], success[-1])
+
+
+def complementary(failure: FloatArray, success: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Take the larger one of a probability and its complement from the smaller one."""
+    return (
+        np.where(success < failure, 1.0 - success, failure),
+        np.where(failure <= success, 1.0 - failure, success),
+    )
 
 
 @dataclass(frozen=True)
-class _Rows:
-    """Integrands for all (fails or works, number of units, threshold) at once: (2, C, R)."""
+class _Largest:
+    """Probabilities of missions with known responses up to T, by their largest response s.
+
+    `ignored` is the probability that a unit has no answer and is left out of the mission; results
+    are (2, I, R): fails (because of tau) or works, for each such probability, for each threshold.
+    """
 
     unit: UnitResponse
-    counts: list[int]
-    thresholds: FloatArray
-    cdf: FloatArray
-    sf: FloatArray
+    units: int
     tau: float
+    ignored: Sequence[float]
 
-    def edges(self, measure: Measure) -> FloatArray:
-        """Panel edges: the measure's own, and every place where an integrand has a kink."""
+    def continuous_up_to(
+        self, measure: Measure, thresholds: FloatArray, offset: FloatArray
+    ) -> FloatArray:
+        """Contribution of missions whose largest response lies in a continuous part."""
+        points = measure.breakpoints
+        ends = measure.at(points[[0, -1]]).y
+        stops = measure.coordinate(np.clip(thresholds, *ends))
+        stops = np.maximum.accumulate(np.clip(stops, points[0], points[-1]))
+        edges = np.unique(np.concatenate([points, self._kinks(measure), stops]))
+        rows = offset.reshape(-1, stops.size)
+        found = integrals_up_to(partial(self._integrand, measure), edges, stops, rows)
+        return found.reshape(offset.shape)
+
+    def _kinks(self, measure: Measure) -> FloatArray:
+        """Where the integrand is not smooth, besides the measure's own breakpoints."""
         points = measure.breakpoints
         known = measure.at(points)
         body = known.y[np.minimum(known.cdf, known.sf) > 1e-4]
-        kinks = np.concatenate(
-            [self.thresholds, self.thresholds - self.tau, self.unit.ends, self.unit.ends - self.tau]
-        )
-        atoms = self.unit.atoms[0]
-        kinks = np.concatenate([kinks, body - self.tau, atoms, atoms - self.tau])
+        atoms, ends = self.unit.atoms[0], self.unit.ends
+        kinks = np.concatenate([ends, ends + self.tau, atoms, atoms + self.tau, body + self.tau])
         kinks = measure.coordinate(kinks[np.isfinite(kinks)])
-        inside = kinks[(kinks > points[0]) & (kinks < points[-1])]
-        last = float(measure.coordinate(np.max(self.thresholds)))
-        edges = np.unique(np.concatenate([points, inside]))
-        return edges[edges <= last] if last < edges[-1] else edges
+        return np.asarray(kinks[(kinks > points[0]) & (kinks < points[-1])])
 
-    def integrand(self, measure: Measure, x: FloatArray) -> FloatArray:
-        """Values (2 C R, N) at coordinates x."""
-        y, density, cdf, sf = measure.at(x)
-        before, longest, window, gap = self._pieces(y, cdf, sf)
-        works = np.where(before, window, longest)
-        inside = y < self.thresholds[:, None]
-        values = np.empty((2, len(self.counts), *inside.shape))
-        for index, n in enumerate(self.counts):
-            weight = n * density
-            values[0, index] = np.where(before, weight * gap * _powers(longest, window, n - 2), 0.0)
-            values[1, index] = np.where(inside, weight * works ** (n - 1), 0.0)
+    def _integrand(self, measure: Measure, x: FloatArray) -> FloatArray:
+        """Values (2 I, N) at coordinates x."""
+        finite = self.unit.p_finite
+        density, cdf, sf, below, within = measure.spread(x, self.tau)
+        weight = self.units * finite * density
+        values = np.empty((2, len(self.ignored), x.size))
+        for row, ignored in enumerate(self.ignored):
+            failing = 1.0 - finite - ignored
+            all_up_to = _Power(finite * cdf + ignored, failing + finite * sf)
+            near = _Power(finite * within + ignored, failing + finite * (sf + below))
+            values[0, row] = weight * all_up_to.minus(near, finite * below, self.units - 1)
+            values[1, row] = weight * near.to(self.units - 1)
         return values.reshape(-1, x.size)
 
-    def from_atoms(self) -> FloatArray:
-        """Contribution (2, C, R) of missions whose smallest response is an atom."""
+    def atoms_up_to(self, thresholds: FloatArray) -> FloatArray:
+        """Contribution of missions whose largest response is an atom."""
         atoms, masses = self.unit.atoms
-        total = np.zeros((2, len(self.counts), self.thresholds.size))
-        if atoms.size == 0:
-            return total
-        before, longest, window, gap = self._pieces(atoms, *self.unit.tails(atoms))
-        works = np.where(before, window, longest)
-        inside = atoms <= self.thresholds[:, None]
-        for index, n in enumerate(self.counts):
-            fails = sum(
-                math.comb(n, i) * masses**i * _powers(longest, window, n - 1 - i)
-                for i in range(1, n)
+        found = np.zeros((2, len(self.ignored), atoms.size + 1))
+        if atoms.size:
+            finite, n = self.unit.p_finite, self.units
+            below, within = self.unit.around_atoms(self.tau)
+            _, sf = self.unit.tails(atoms)
+            masses, below, within = finite * masses, finite * below, finite * within
+            for row, ignored in enumerate(self.ignored):
+                late = 1.0 - finite - ignored + finite * sf
+                up_to = _Power(ignored + below + within + masses, late)
+                before = _Power(ignored + below + within, late + masses)
+                near = _Power(ignored + within + masses, late + below)
+                nearer = _Power(ignored + within, late + below + masses)
+                # the largest is this atom, and any smaller one lies below it by more than tau
+                apart = up_to.minus(near, below, n) - before.minus(nearer, below, n)
+                found[0, row, 1:] = np.maximum(apart, 0.0)
+                found[1, row, 1:] = near.minus(nearer, masses, n)
+        return np.cumsum(found, axis=2)[:, :, np.searchsorted(atoms, thresholds, side="right")]
+
+
+class _Power(NamedTuple):
+    """Powers of probabilities that are known together with their complements."""
+
+    value: FloatArray
+    complement: FloatArray
+
+    def to(self, exponent: int) -> FloatArray:
+        """Raise the value to a power, accurate next to 1 for any exponent."""
+        with np.errstate(divide="ignore"):
+            log = np.where(
+                self.complement < 0.5,
+                np.log1p(-np.clip(self.complement, 0.0, 0.5)),
+                np.log(np.maximum(self.value, 0.0)),
             )
-            total[0, index] = np.where(before, gap * fails, 0.0).sum(axis=1)
-            both = masses * _powers(works + masses, works, n - 1)
-            total[1, index] = np.where(inside, both, 0.0).sum(axis=1)
-        return total
+        return np.asarray(np.exp(exponent * log))
 
-    def _pieces(
-        self, y: FloatArray, cdf: FloatArray, sf: FloatArray
-    ) -> tuple[BoolArray, FloatArray, FloatArray, FloatArray]:
-        """Where y + tau < T; H(T) - H(y), H(y + tau) - H(y) (this one (N,)), H(T) - H(y + tau).
-
-        Each difference is taken in the tail in which its larger end is small.
-        """
-        cdf_later, sf_later = self.unit.tails(y + self.tau)
-        window = np.where(cdf_later > 0.5, sf - sf_later, cdf_later - cdf)
-        upper = (self.cdf > 0.5)[:, None]
-        level = np.where(upper, -self.sf[:, None], self.cdf[:, None])
-        longest = np.where(upper, sf, -cdf) + level
-        gap = np.where(upper, sf_later, -cdf_later) + level
-        before = y < (self.thresholds - self.tau)[:, None]
-        return (
-            before,
-            np.maximum(longest, 0.0),
-            np.maximum(window, 0.0),
-            np.maximum(gap, 0.0),
-        )
-
-
-def _powers(x: FloatArray, y: FloatArray, degree: int) -> FloatArray:
-    """sum_{i=0}^{degree} x^i y^(degree-i), that is (x^(degree+1) - y^(degree+1)) / (x - y)."""
-    total = np.ones(np.broadcast_shapes(np.shape(x), np.shape(y)))
-    power = np.ones(np.shape(y))
-    for _ in range(degree):
-        power = power * y
-        total = total * x + power
-    return total
+    def minus(self, smaller: _Power, gap: FloatArray, exponent: int) -> FloatArray:
+        """Return value ** exponent - smaller ** exponent; gap is the difference of the values."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(self.value > 0.0, gap / self.value, 0.0)
+        close = share < 0.5
+        lost = np.where(close, -np.expm1(exponent * np.log1p(-np.where(close, share, 0.0))), 1.0)
+        whole = self.to(exponent)
+        return np.where(close, whole * lost, np.maximum(whole - smaller.to(exponent), 0.0))
