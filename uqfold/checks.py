@@ -32,7 +32,7 @@ T = TypeVar("T")
 P = ParamSpec("P")
 
 LARGEST_WHOLE = 2**63 - 1
-"""No whole number is larger, so that it fits into an array."""
+"""No whole number without another bound is larger, so that it fits into an array."""
 
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
@@ -67,7 +67,7 @@ def whole(
     if not isinstance(number, Integral) and not (math.isfinite(number) and number == int(number)):
         raise refused(name, number, remedy)
     number = int(number)
-    if abs(number) > LARGEST_WHOLE:
+    if at_most is None and abs(number) > LARGEST_WHOLE:
         raise refused(name, number, f"{remedy}, smaller than 2**63")
     if (at_least is not None and number < at_least) or (at_most is not None and number > at_most):
         raise refused(name, number, remedy)

@@ -129,7 +129,7 @@ def test_criteria_are_needed_unless_the_problem_has_its_own() -> None:
     assert MonteCarlo(systems=10).estimate(own, rng=1)[0].threshold < 0.0
     single = Scripted().estimate(SYSTEM.problem(), Criterion(3.0))
     assert len(single) == 1
-    with pytest.raises(TypeError, match="not a Criterion"):
+    with pytest.raises(TypeError, match=r"criteria\[0\] = 3.0: give a Criterion"):
         Scripted().estimate(SYSTEM.problem(), [3.0])  # type: ignore[list-item]
 
 
@@ -195,10 +195,10 @@ def test_seeds_are_reduced_to_an_integer() -> None:
     assert reduced_seed(sequence) == reduced_seed(np.random.SeedSequence(3))
     assert reduced_seed(sequence.spawn(1)[0]) != reduced_seed(sequence)
     assert reduced_seed(None) != reduced_seed(None)
-    with pytest.raises(ValueError, match="not negative"):
+    with pytest.raises(ValueError, match="rng = -"):
         reduced_seed(-1)
-    for wrong in (1.5, "a", True):
-        with pytest.raises(TypeError, match="seed"):
+    for wrong in ("a", b"1", True, 5j):
+        with pytest.raises(TypeError, match=r"^rng = "):
             reduced_seed(wrong)  # type: ignore[arg-type]
     first, second = block_generator(1, 0).random(), block_generator(1, 1).random()
     assert first != second
@@ -223,7 +223,7 @@ def test_reliability_index_uses_the_smaller_tail(
 
 def test_registry_builds_by_name_and_names_the_choices() -> None:
     assert isinstance(build("mc"), MonteCarlo)
-    with pytest.raises(ValueError, match="choose from ffni-spa"):
+    with pytest.raises(ValueError, match="choose from 'ffni-spa'"):
         build("subset")
 
 

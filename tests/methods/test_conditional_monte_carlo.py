@@ -134,9 +134,9 @@ def test_problem_without_shared_inputs() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"blocks": 1}, "blocks = 1: a standard error takes at least 2"),
+        ({"blocks": 1}, "blocks = 1: give a whole number >= 2, or None"),
         ({"blocks": 2.5}, "blocks = 2.5"),
-        ({"missions_per_draw": 0}, "missions_per_draw = 0: give at least 1"),
+        ({"missions_per_draw": 0}, "missions_per_draw = 0: give a whole number >= 1"),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, int], message: str) -> None:

@@ -106,12 +106,22 @@ def test_node_counts_per_variable() -> None:
     assert "3 counts for 2 inputs" in wrong[0].message
 
 
-@pytest.mark.parametrize("nodes", [0, 65, -1, 2.5, (3, 0), True])
+@pytest.mark.parametrize(
+    "nodes", [0, 1, 65, -1, 2.5, (3, 0), (3, 1), True, "3", b"3", None, 5j, 10**400]
+)
 def test_impossible_node_counts_are_refused(nodes: object) -> None:
-    with pytest.raises(ValueError, match="nodes_shared"):
+    wanted = r"give a whole number from 2 to 64$"  # one node alone gave pf 0 for 0.134
+    with pytest.raises((ValueError, TypeError), match=rf"^nodes_shared.* = .*: {wanted}"):
         FFNISaddlepoint(nodes_shared=nodes)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="nodes_individual"):
+    with pytest.raises((ValueError, TypeError), match=rf"^nodes_individual.* = .*: {wanted}"):
         FFNIPearson(nodes_individual=nodes)  # type: ignore[arg-type]
+
+
+def test_numpy_node_counts_are_those_of_python() -> None:
+    method = FFNIPearson(nodes_shared=np.int64(5), nodes_individual=(np.int8(3), np.array(4)))  # type: ignore[arg-type]
+    assert method == FFNIPearson(nodes_shared=5, nodes_individual=(3, 4))
+    assert repr(method) == repr(FFNIPearson(nodes_shared=5, nodes_individual=(3, 4)))
+    assert method.estimate(series(), criteria(2.0)).n_evals == 60
 
 
 def test_budget_below_the_design_spends_nothing() -> None:

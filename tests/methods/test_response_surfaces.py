@@ -237,9 +237,14 @@ def test_sobol_indices_come_with_the_expansion() -> None:
         (lambda: PolynomialChaos(runs=-3), "runs = -3"),
         (lambda: PolynomialChaos(max_degree=0), "max_degree = 0"),
         (lambda: PolynomialChaos(design="grid"), "design = 'grid'"),  # type: ignore[arg-type]
-        (lambda: PolynomialChaos(design="ffni", nodes_shared=1), "at least 2"),
+        (
+            lambda: PolynomialChaos(design="ffni", nodes_shared=1),
+            "nodes_shared = 1: give a whole number from 2",
+        ),
+        (lambda: Kriging(spread=1e-300), r"spread = 1e-300: give a number in \[1, 6\]"),
+        (lambda: PolynomialChaos(sparse=1), "sparse = 1"),  # type: ignore[arg-type]
     ],
 )
 def test_bad_settings_are_refused(build, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((ValueError, TypeError), match=message):
         build()

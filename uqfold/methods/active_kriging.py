@@ -17,6 +17,7 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from uqfold.checks import choice, keep, or_none, real, refused, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
@@ -147,24 +148,15 @@ class ActiveKriging(SequentialMethod):
     controls: int = 6
 
     def __post_init__(self) -> None:
-        least = {"runs": 1, "initial": 2, "batch": 1, "explore": 0, "controls": 2}
-        for name, smallest in least.items():
-            value = getattr(self, name)
-            if value is None and name == "initial":
-                continue
-            if isinstance(value, bool) or int(value) != value or value < smallest:
-                raise ValueError(f"{name} = {value}: give a whole number >= {smallest}")
+        for name, least in {"runs": 1, "batch": 1, "explore": 0, "controls": 2}.items():
+            keep(self, name, whole, at_least=least)
+        keep(self, "initial", or_none, whole, at_least=2)
         if self.explore >= self.batch and self.explore > 0:
-            raise ValueError(f"explore = {self.explore}: less than batch = {self.batch}, or 0")
-        if self.learning not in get_args(LearningFunction):
-            choice = get_args(LearningFunction)
-            raise ValueError(f"learning = {self.learning!r}: choose from {choice}")
-        if self.kernel not in get_args(KernelChoice):
-            raise ValueError(f"kernel = {self.kernel!r}: choose from {get_args(KernelChoice)}")
-        if self.noise is not None and not (math.isfinite(self.noise) and self.noise >= 0.0):
-            raise ValueError(f"noise = {self.noise}: give a standard deviation >= 0, or None")
-        if not 0.0 < self.tolerance < 1.0:
-            raise ValueError(f"tolerance = {self.tolerance}: give a number in (0, 1)")
+            raise refused("explore", self.explore, f"give less than batch = {self.batch}, or 0")
+        keep(self, "learning", choice, get_args(LearningFunction))
+        keep(self, "kernel", choice, get_args(KernelChoice))
+        keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
+        keep(self, "tolerance", real, above=0.0, below=1.0)
 
     @property
     def stochastic(self) -> bool:

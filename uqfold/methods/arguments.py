@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias
 
+from uqfold.checks import instance, or_none, whole
+from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 
@@ -19,8 +21,9 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
     ValueError
         If there are none.
     TypeError
-        If one of them is no `Criterion`.
+        If one of them is no `Criterion`, or the problem is no `Problem`.
     """
+    instance("problem", problem, Problem, "give a Problem")
     if criteria is None:
         if problem.default_criteria is None:
             raise ValueError(
@@ -38,11 +41,19 @@ def checked_budget(max_evals: int | None) -> int | None:
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If it is not a whole number >= 1.
     """
-    if max_evals is None:
-        return None
-    if isinstance(max_evals, bool) or int(max_evals) != max_evals or max_evals < 1:
-        raise ValueError(f"max_evals = {max_evals}: give a whole number >= 1, or None")
-    return int(max_evals)
+    return or_none("max_evals", max_evals, whole, at_least=1)
+
+
+def checked_evaluator(evaluator: Evaluator | None) -> Evaluator:
+    """Return the evaluator; None stands for one with default settings.
+
+    Raises
+    ------
+    TypeError
+        If it is no `Evaluator`.
+    """
+    given = or_none("evaluator", evaluator, instance, Evaluator, "give uqfold.Evaluator(...)")
+    return Evaluator() if given is None else given

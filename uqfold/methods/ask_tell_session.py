@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from uqfold.algebra import one_blas_thread
 from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
-from uqfold.methods.arguments import CriteriaLike
+from uqfold.methods.arguments import CriteriaLike, checked_evaluator
 from uqfold.methods.base import OpenRun, Solution
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
@@ -66,7 +66,7 @@ class AskTellSession:
     ) -> None:
         self._method = method
         self._told = _ToldModel()
-        settings = Evaluator() if evaluator is None else evaluator
+        settings = checked_evaluator(evaluator)
         self._run: OpenRun = method._opened(
             problem, criteria, max_evals, rng, settings, model=self._told
         )

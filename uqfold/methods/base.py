@@ -23,7 +23,12 @@ from uqfold.evaluation import (
     Evaluator,
     FailedRunError,
 )
-from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+)
 from uqfold.methods.result import (
     NO_ANSWER,
     STATUSES,
@@ -199,7 +204,7 @@ class ReliabilityMethod(ABC):
             If store or executor fail.
         """
         started = time.perf_counter()
-        settings = Evaluator() if evaluator is None else evaluator
+        settings = checked_evaluator(evaluator)
         run = self._opened(problem, criteria, max_evals, rng, settings)
         solution = self._guarded(run.task, lambda: self._solve(run.task))
         return self._finished(run, solution, time.perf_counter() - started)

@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from uqfold.checks import keep, or_none, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
@@ -94,10 +95,8 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     missions_per_draw: int = 4
 
     def __post_init__(self) -> None:
-        if self.blocks is not None and (int(self.blocks) != self.blocks or self.blocks < 2):
-            raise ValueError(f"blocks = {self.blocks}: a standard error takes at least 2, or None")
-        if int(self.missions_per_draw) != self.missions_per_draw or self.missions_per_draw < 1:
-            raise ValueError(f"missions_per_draw = {self.missions_per_draw}: give at least 1")
+        keep(self, "blocks", or_none, whole, at_least=2)
+        keep(self, "missions_per_draw", whole, at_least=1)
 
     @property
     def stochastic(self) -> bool:

@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from uqfold.checks import several, whole
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
@@ -98,17 +99,18 @@ class FFNIDetails:
         ]
 
 
-def check_nodes(name: str, nodes: Nodes) -> None:
-    """Refuse a setting of node counts that cannot work.
+def checked_nodes(name: str, nodes: Any) -> Nodes:
+    """Return a setting of node counts: one for all inputs, or a tuple with one for each.
 
     Raises
     ------
-    ValueError
-        If a count is not a whole number from 1 to 64.
+    ValueError, TypeError
+        If a count is not a whole number from 2 to 64; one node alone would say nothing about its
+        input.
     """
-    for n in nodes if isinstance(nodes, tuple) else (nodes,):
-        if isinstance(n, bool) or int(n) != n or not 1 <= n <= MAX_GAUSS_NODES:
-            raise ValueError(f"{name} = {nodes}: give whole numbers from 1 to {MAX_GAUSS_NODES}")
+    if isinstance(nodes, Sequence) and not isinstance(nodes, str | bytes | bytearray):
+        return several(name, nodes, whole, at_least=2, at_most=MAX_GAUSS_NODES)
+    return whole(name, nodes, at_least=2, at_most=MAX_GAUSS_NODES)
 
 
 def design_size(inputs: JointInputs, shared: Nodes, individual: Nodes) -> int:

@@ -6,12 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
+from uqfold.checks import choice, keep, or_none, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.factorial_design import (
     FFNIDetails,
     Nodes,
     affordable_design,
-    check_nodes,
+    checked_nodes,
     conditional_responses,
     system_estimates,
 )
@@ -73,12 +74,10 @@ class FFNIPearson(ReliabilityMethod):
     rows: int | None = None
 
     def __post_init__(self) -> None:
-        check_nodes("nodes_shared", self.nodes_shared)
-        check_nodes("nodes_individual", self.nodes_individual)
-        if self.family not in get_args(Family):
-            raise ValueError(f"family = {self.family!r}: choose from {get_args(Family)}")
-        if self.rows is not None and (int(self.rows) != self.rows or self.rows < 2):
-            raise ValueError(f"rows = {self.rows}: give a whole number >= 2, or None to integrate")
+        keep(self, "nodes_shared", checked_nodes)
+        keep(self, "nodes_individual", checked_nodes)
+        keep(self, "family", choice, get_args(Family))
+        keep(self, "rows", or_none, whole, at_least=2)
 
     @property
     def stochastic(self) -> bool:

@@ -7,12 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from uqfold.checks import keep
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.factorial_design import (
     FFNIDetails,
     Nodes,
     affordable_design,
-    check_nodes,
+    checked_nodes,
     conditional_responses,
     system_estimates,
 )
@@ -44,7 +45,7 @@ class FFNISaddlepoint(ReliabilityMethod):
     Raises
     ------
     ValueError
-        If a node count is not a whole number from 1 to 64.
+        If a node count is not a whole number from 2 to 64.
 
     Notes
     -----
@@ -63,8 +64,8 @@ class FFNISaddlepoint(ReliabilityMethod):
     nodes_individual: Nodes = 5
 
     def __post_init__(self) -> None:
-        check_nodes("nodes_shared", self.nodes_shared)
-        check_nodes("nodes_individual", self.nodes_individual)
+        keep(self, "nodes_shared", checked_nodes)
+        keep(self, "nodes_individual", checked_nodes)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Say why not: as the base says, and every criterion with tau."""

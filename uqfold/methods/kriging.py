@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, get_args
 
+from uqfold.checks import choice, keep, or_none, real, whole
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
@@ -15,7 +15,7 @@ from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.designs import check_spread, space_filling_design
+from uqfold.surrogates.designs import checked_spread, space_filling_design
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.kernels import Kernel
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
@@ -98,15 +98,11 @@ class Kriging(SequentialMethod):
     spread: float = 2.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.runs, bool) or int(self.runs) != self.runs or self.runs < 1:
-            raise ValueError(f"runs = {self.runs}: give a whole number >= 1")
-        if self.trend not in get_args(Trend):
-            raise ValueError(f"trend = {self.trend!r}: choose from {get_args(Trend)}")
-        if self.kernel not in get_args(KernelChoice):
-            raise ValueError(f"kernel = {self.kernel!r}: choose from {get_args(KernelChoice)}")
-        if self.noise is not None and not (math.isfinite(self.noise) and self.noise >= 0.0):
-            raise ValueError(f"noise = {self.noise}: give a standard deviation >= 0, or None")
-        check_spread(self.spread)
+        keep(self, "runs", whole, at_least=1)
+        keep(self, "trend", choice, get_args(Trend))
+        keep(self, "kernel", choice, get_args(KernelChoice))
+        keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
+        keep(self, "spread", checked_spread)
 
     @property
     def stochastic(self) -> bool:

@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
@@ -87,10 +88,8 @@ class MonteCarlo(ReliabilityMethod):
     target_cov: float | None = None
 
     def __post_init__(self) -> None:
-        if self.systems is not None and (int(self.systems) != self.systems or self.systems < 1):
-            raise ValueError(f"systems = {self.systems}: simulate at least one, or None")
-        if self.target_cov is not None and not self.target_cov > 0.0:
-            raise ValueError(f"target_cov = {self.target_cov}: give a positive number or None")
+        keep(self, "systems", or_none, whole, at_least=1)
+        keep(self, "target_cov", or_none, real, above=0.0)
 
     @property
     def stochastic(self) -> bool:

@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from uqfold.checks import choice, keep, real, refused, several, whole
 from uqfold.evaluation import BudgetExceededError, FailedRunError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import (
@@ -42,6 +43,9 @@ from uqfold.system.linearised import linearised_failure
 from uqfold.typing import FloatArray
 
 Algorithm: TypeAlias = Literal["AbdoRackwitz", "SQP", "Cobyla"]
+
+SMALLEST_STEP = 1e-4
+"""Smallest half width of the differences: rounding is 1e-8 of the second ones then."""
 
 FURTHEST_MARGIN = 1e6
 """Margins are cut here (in standard deviations), so that no optimiser meets an infinity."""
@@ -82,9 +86,9 @@ class OpenTURNSFORM(ReliabilityMethod):
     algorithms
         OpenTURNS algorithms in the order in which they are tried.
     step
-        Half width of the central differences (standard deviations). The default suits a model
-        with noise: for the wing, 2e-5 s against 10 ms per standard deviation gives the gradient
-        to about half a percent.
+        Half width of the central differences (standard deviations), from 1e-4 to 1. The default
+        suits a model with noise: for the wing, 2e-5 s against 10 ms per standard deviation gives
+        the gradient to about half a percent.
     tolerance
         Largest residual |u - beta alpha| of a design point, relative to max(1, |beta|). An error
         r in the point shifts beta by about r^2 times half the curvature.
@@ -107,19 +111,13 @@ class OpenTURNSFORM(ReliabilityMethod):
     max_iterations: int = 50
 
     def __post_init__(self) -> None:
-        unknown = [a for a in self.algorithms if a not in get_args(Algorithm)]
-        if unknown or not self.algorithms:
-            raise ValueError(
-                f"algorithms = {self.algorithms}: choose from {get_args(Algorithm)}, at least one"
-            )
-        if not 0.0 < self.step <= 1.0:
-            raise ValueError(f"step = {self.step}: give a step in (0, 1] standard deviations")
-        if not 0.0 < self.tolerance < LOOSE_RESIDUAL:
-            raise ValueError(
-                f"tolerance = {self.tolerance}: give a number between 0 and {LOOSE_RESIDUAL}"
-            )
-        if self.max_iterations < 1:
-            raise ValueError(f"max_iterations = {self.max_iterations}: give at least 1")
+        keep(self, "algorithms", several, choice, get_args(Algorithm))
+        if not self.algorithms:
+            known = ", ".join(map(repr, get_args(Algorithm)))
+            raise refused("algorithms", (), f"give at least one of {known}")
+        keep(self, "step", real, at_least=SMALLEST_STEP, at_most=1.0)
+        keep(self, "tolerance", real, above=0.0, below=LOOSE_RESIDUAL)
+        keep(self, "max_iterations", whole, at_least=1)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse tau: the spread over units does not follow from one unit's design point."""

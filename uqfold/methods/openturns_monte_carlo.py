@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from uqfold.checks import keep, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
@@ -104,12 +105,9 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
     max_samples: int = 10_000
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.target_cov < math.inf:
-            raise ValueError(f"target_cov = {self.target_cov}: give a positive number")
-        if self.block_size < 1:
-            raise ValueError(f"block_size = {self.block_size}: give at least 1")
-        if self.max_samples < 1:
-            raise ValueError(f"max_samples = {self.max_samples}: give at least 1")
+        keep(self, "target_cov", real, above=0.0)
+        keep(self, "block_size", whole, at_least=1)
+        keep(self, "max_samples", whole, at_least=1)
 
     def _solve(self, task: Task) -> Solution:
         events = [SystemEvent(task.problem, criterion) for criterion in task.criteria]

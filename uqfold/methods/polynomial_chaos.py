@@ -7,17 +7,18 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from uqfold.checks import choice, flag, keep, whole
 from uqfold.inputs import JointInputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.factorial_design import Nodes, affordable_design, check_nodes
+from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
 from uqfold.methods.response_surface import Rival, surface_estimates
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.designs import DEFAULT_SPREAD, check_spread, space_filling_design
+from uqfold.surrogates.designs import DEFAULT_SPREAD, checked_spread, space_filling_design
 from uqfold.surrogates.polynomial_chaos import (
     PolynomialChaosExpansion,
     SobolIndices,
@@ -100,20 +101,13 @@ class PolynomialChaos(SequentialMethod):
     spread: float = DEFAULT_SPREAD
 
     def __post_init__(self) -> None:
-        if isinstance(self.runs, bool) or int(self.runs) != self.runs or self.runs < 1:
-            raise ValueError(f"runs = {self.runs}: give a whole number >= 1")
-        if int(self.max_degree) != self.max_degree or self.max_degree < 1:
-            raise ValueError(f"max_degree = {self.max_degree}: give a whole number >= 1")
-        if self.design not in get_args(Design):
-            raise ValueError(f"design = {self.design!r}: choose from {get_args(Design)}")
-        check_nodes("nodes_shared", self.nodes_shared)
-        check_nodes("nodes_individual", self.nodes_individual)
-        if self.design == "ffni" and min(_all_counts(self)) < 2:
-            raise ValueError(
-                f"nodes_shared = {self.nodes_shared}, nodes_individual = {self.nodes_individual}: "
-                "a single node says nothing about an input, give at least 2"
-            )
-        check_spread(self.spread)
+        keep(self, "runs", whole, at_least=1)
+        keep(self, "sparse", flag)
+        keep(self, "max_degree", whole, at_least=1)
+        keep(self, "design", choice, get_args(Design))
+        keep(self, "nodes_shared", checked_nodes)
+        keep(self, "nodes_individual", checked_nodes)
+        keep(self, "spread", checked_spread)
 
     @property
     def stochastic(self) -> bool:
@@ -168,10 +162,6 @@ class PolynomialChaos(SequentialMethod):
             *_repeated(self.nodes_shared, inputs.n_shared),
             *_repeated(self.nodes_individual, inputs.n_individual),
         ]
-
-
-def _all_counts(method: PolynomialChaos) -> list[int]:
-    return [*_repeated(method.nodes_shared, 1), *_repeated(method.nodes_individual, 1)]
 
 
 def _repeated(nodes: Nodes, n_variables: int) -> tuple[int, ...]:

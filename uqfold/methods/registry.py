@@ -6,6 +6,7 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 
+from uqfold.checks import choice
 from uqfold.methods.base import ReliabilityMethod
 
 ENTRY_POINT_GROUP = "uqfold.methods"
@@ -57,9 +58,7 @@ def build(name: str) -> ReliabilityMethod:
         If no method has that name; the message lists those that exist.
     """
     methods = available()
-    if name not in methods:
-        raise ValueError(f"no method is named {name!r}: choose from {', '.join(methods)}")
-    return methods[name]()
+    return methods[choice("name", name, methods)]()
 
 
 def _load(path: str) -> type[ReliabilityMethod]:

@@ -6,6 +6,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from uqfold.checks import whole
+
+LARGEST_SEED = 2**128 - 1
+"""As large as the entropy that NumPy itself takes from the operating system."""
+
 RandomSource: TypeAlias = int | np.random.SeedSequence | np.random.Generator | None
 
 
@@ -18,7 +23,7 @@ def reduced_seed(rng: RandomSource) -> int:
     Raises
     ------
     ValueError
-        If an integer seed is negative.
+        If an integer seed is negative, or above 2**128 - 1.
     TypeError
         If `rng` is none of these.
     """
@@ -28,11 +33,8 @@ def reduced_seed(rng: RandomSource) -> int:
         return int(rng.integers(0, 2**63))
     if isinstance(rng, np.random.SeedSequence):
         return int(rng.generate_state(1, np.uint64)[0] >> np.uint64(1))
-    if isinstance(rng, bool) or not isinstance(rng, int | np.integer):
-        raise TypeError(f"rng = {rng!r}: give an integer seed, a SeedSequence or a Generator")
-    if rng < 0:
-        raise ValueError(f"rng = {rng}: a seed is not negative")
-    return int(rng)
+    what = "SeedSequence, a Generator or a whole number"
+    return whole("rng", rng, at_least=0, at_most=LARGEST_SEED, what=what)
 
 
 def block_generator(seed: int, block: int) -> np.random.Generator:

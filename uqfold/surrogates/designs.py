@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from uqfold.checks import real
 from uqfold.typing import FloatArray
 
 DEFAULT_SPREAD = 1.7
@@ -19,16 +20,15 @@ MAX_COORDINATE = 6.0
 """No coordinate lies further out: models seldom mean anything there."""
 
 
-def check_spread(spread: float) -> None:
-    """Refuse a spread that no design can have.
+def checked_spread(name: str, spread: float) -> float:
+    """Return a spread that a design can have: it reaches at least as far as the inputs do.
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If it is out of range.
     """
-    if not 0.0 < spread <= MAX_COORDINATE:
-        raise ValueError(f"spread = {spread}: give a number in (0, {MAX_COORDINATE:g}]")
+    return real(name, spread, at_least=1.0, at_most=MAX_COORDINATE)
 
 
 def space_filling_design(
@@ -59,7 +59,7 @@ def space_filling_design(
     """
     if size < 1 or dimension < 1:
         raise ValueError(f"{size} points in {dimension} variables: need at least one of each")
-    check_spread(spread)
+    checked_spread("spread", spread)
     from scipy.special import ndtri
     from scipy.stats import qmc
 
