@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 MODULE = """
 from dataclasses import dataclass
 from typing import ClassVar
@@ -22,6 +20,7 @@ class Half(ReliabilityMethod):
     def _solve(self, task):
         return Solution([Estimate(0.5)] * len(task.criteria))
 """
+GOOD = "half = plugin_half:Half"
 COMPARE = """
 import uqfold
 frame = uqfold.compare(uqfold.problems.series(), ["half", "ffni-spa"], uqfold.criteria(2.0))
@@ -61,15 +60,59 @@ def test_registered_method_is_listed_and_compared(tmp_path: Path) -> None:
     assert compared.stdout == "['half', 'ffni-spa'] 0.5\n", compared.stderr
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "message"),
-    [
-        ("mc", "plugin_half:Half", "two methods are named 'mc'"),
-        ("half", "plugin_half:dataclass", "is no ReliabilityMethod"),
-    ],
+UNSET = MODULE.replace(
+    "class Half(ReliabilityMethod):", "class Half(ReliabilityMethod):\n    n: int"
 )
-def test_wrong_entry_is_refused(tmp_path: Path, name: str, value: str, message: str) -> None:
-    environment = install(tmp_path, name, value)
-    done = run(environment, "-c", "import uqfold; uqfold.methods.available()")
-    assert done.returncode != 0
-    assert message in done.stderr
+BROKEN = {
+    "missing": ("import no_such_package", "ModuleNotFoundError: No module named 'no_such_package'"),
+    "exiting": ("raise SystemExit(3)", "raised SystemExit: 3"),
+    "odd": ("raise BaseException('odd')", "raised BaseException: odd"),
+    "misspelt": ("def Half(: pass", "raised SyntaxError"),
+    "empty": ("", "raised AttributeError"),
+    "function": ("from dataclasses import dataclass as Half", "is no ReliabilityMethod"),
+    "abstract": ("from uqfold.methods import ReliabilityMethod as Half", "raised TypeError"),
+    "unset": (UNSET, "raised TypeError"),
+}
+"""Name of a method and of its module -> source, and what is said about it."""
+
+
+def test_broken_plug_ins_are_named_and_the_other_methods_go_on(tmp_path: Path) -> None:
+    """A plug-in with a broken import takes no method down."""
+    entries = [f"{name} = {name}:Half" for name in BROKEN]
+    environment = install(tmp_path, "nowhere", "\n".join(["nowhere:Half", *entries, GOOD]))
+    for name, (code, _) in BROKEN.items():
+        (tmp_path / f"{name}.py").write_text(code)
+    listed = run(environment, "-m", "uqfold", "methods")
+    assert listed.returncode == 0
+    names = {line.split()[0] for line in listed.stdout.splitlines()}
+    assert {"half", "ffni-spa", "openturns-mc"} <= names
+    assert names.isdisjoint({"nowhere", *BROKEN})
+    said = {line.split("'")[1]: line for line in listed.stderr.splitlines() if "left out" in line}
+    for name, (_, message) in BROKEN.items():
+        assert f"the method {name!r} is left out: {name}:Half " in said[name]
+        assert message in said[name]
+    assert "ModuleNotFoundError" in said["nowhere"]
+    asked = run(environment, "-m", "uqfold", "compare", "series", "--method", "exiting")
+    assert asked.returncode == 2
+    message = "the method 'exiting' is not available: exiting:Half raised SystemExit: 3"
+    assert message in " ".join(asked.stderr.split())
+    assert "Traceback" not in asked.stderr
+
+
+def test_a_built_in_method_keeps_its_name(tmp_path: Path) -> None:
+    environment = install(tmp_path, "mc", "plugin_half:Half")
+    listed = run(environment, "-m", "uqfold", "methods")
+    assert (listed.returncode, "always one half" in listed.stdout) == (0, False)
+    assert "the method 'mc' is left out: plugin_half:Half has the name of another" in listed.stderr
+
+
+def test_of_two_plug_ins_with_one_name_one_is_left_out(tmp_path: Path) -> None:
+    environment = install(tmp_path, "half", "plugin_half:Half")
+    other = tmp_path / "other-1.0.dist-info"
+    other.mkdir()
+    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
+    (other / "entry_points.txt").write_text("[uqfold.methods]\nhalf = plugin_half:Half\n")
+    listed = run(environment, "-m", "uqfold", "methods")
+    assert listed.returncode == 0
+    assert listed.stdout.count("always one half") == 1
+    assert "the method 'half' is left out" in listed.stderr

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 
 from uqfold.checks import choice
 from uqfold.methods.base import ReliabilityMethod
@@ -24,29 +25,15 @@ _BUILT_IN: dict[str, str] = {
 }
 
 
-@cache
 def available() -> dict[str, type[ReliabilityMethod]]:
     """Map every method's name to its class; each can be built without arguments.
 
     Built-in methods come first. A package adds its own through the entry-point group
-    ``uqfold.methods``: the entry's name is the method's name, its value the class.
-
-    Raises
-    ------
-    TypeError
-        If an entry point gives something that is not a `ReliabilityMethod` class.
-    ValueError
-        If two methods claim the same name.
+    ``uqfold.methods``: the entry's name is the method's name, its value the class. An entry that
+    cannot be loaded, gives something else, or has the name of another method, is left out with a
+    warning that names it.
     """
-    found = {name: _load(path) for name, path in _BUILT_IN.items()}
-    for entry in entry_points(group=ENTRY_POINT_GROUP):
-        if entry.name in found:
-            raise ValueError(f"two methods are named {entry.name!r}: {entry.value} is one of them")
-        loaded = entry.load()
-        if not (isinstance(loaded, type) and issubclass(loaded, ReliabilityMethod)):
-            raise TypeError(f"entry point {entry.name!r} = {entry.value} is no ReliabilityMethod")
-        found[entry.name] = loaded
-    return found
+    return _found()[0]
 
 
 def build(name: str) -> ReliabilityMethod:
@@ -55,10 +42,46 @@ def build(name: str) -> ReliabilityMethod:
     Raises
     ------
     ValueError
-        If no method has that name; the message lists those that exist.
+        If no method has that name; the message lists those that exist, or says why an installed
+        one was left out.
     """
-    methods = available()
+    methods, left_out = _found()
+    if isinstance(name, str) and name in left_out and name not in methods:
+        raise ValueError(f"the method {name!r} is not available: {left_out[name]}")
     return methods[choice("name", name, methods)]()
+
+
+@cache
+def _found() -> tuple[dict[str, type[ReliabilityMethod]], dict[str, str]]:
+    """Return the methods, and why entries of other packages were left out."""
+    methods = {name: _load(path) for name, path in _BUILT_IN.items()}
+    left_out: dict[str, str] = {}
+    for entry in entry_points(group=ENTRY_POINT_GROUP):
+        loaded = _loaded(entry)
+        if not isinstance(loaded, str) and entry.name in methods:
+            loaded = f"{entry.value} has the name of another method"
+        if isinstance(loaded, str):
+            left_out[entry.name] = loaded
+            warnings.warn(f"the method {entry.name!r} is left out: {loaded}", stacklevel=4)
+        else:
+            methods[entry.name] = loaded
+    return methods, left_out
+
+
+def _loaded(entry: EntryPoint) -> type[ReliabilityMethod] | str:
+    """Return the method of an entry point, or what is wrong with it."""
+    try:
+        loaded = entry.load()
+        if not (isinstance(loaded, type) and issubclass(loaded, ReliabilityMethod)):
+            return f"{entry.value} is no ReliabilityMethod"
+        if not (isinstance(loaded.title, str) and isinstance(loaded(), ReliabilityMethod)):
+            return f"{entry.value} has no title"
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        # other people's code may raise anything, sys.exit() included, and takes nobody down
+        return f"{entry.value} raised {type(error).__name__}: {error}"
+    return loaded
 
 
 def _load(path: str) -> type[ReliabilityMethod]:
