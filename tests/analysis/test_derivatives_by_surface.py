@@ -108,12 +108,12 @@ def test_stated_errors_hold_on_a_curved_system(method: Kriging | PolynomialChaos
 
 
 def test_a_method_without_a_surface_is_refused() -> None:
-    with pytest.raises(TypeError, match="has no response surface: give Kriging"):
+    with pytest.raises(TypeError, match=r"method = .*: give Kriging"):
         surface_derivatives(SYSTEM.problem(), GRID, MonteCarlo())  # type: ignore[arg-type]
 
 
 def test_an_unknown_input_is_refused_before_any_run() -> None:
-    with pytest.raises(ValueError, match=r"'k' is not one of the inputs \['V', 'U', 'W'\]"):
+    with pytest.raises(ValueError, match=r"inputs\[0\] = 'k': choose from 'V', 'U', 'W'"):
         surface_derivatives(SYSTEM.problem(), GRID, inputs=["k"])
 
 

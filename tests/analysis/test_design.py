@@ -230,12 +230,28 @@ def test_refusals() -> None:
         design_threshold(problem, 0.0, (1.0, 2.0))
     with pytest.raises(ValueError, match="between = "):
         design_threshold(problem, 0.1, (2.0, 1.0))
-    with pytest.raises(ValueError, match="'k' is not one of the inputs"):
+    with pytest.raises(ValueError, match="input = 'k': choose from"):
         design_input(problem, Criterion(1.0), 0.1, "k", (0.0, 1.0))
     with pytest.raises(ValueError, match="standard deviation -1"):
         design_input(problem, Criterion(1.0), 0.1, "U", (-1.0, 1.0), moment="standard deviation")
     with pytest.raises(ValueError, match="points = 2"):
         design_threshold(problem, 0.1, (1.0, 2.0), points=2)
+    # it was taken for the standard deviation, and found nothing
+    with pytest.raises(
+        ValueError, match="moment = 'Mean': choose from 'mean', 'standard deviation'"
+    ):
+        design_input(problem, Criterion(1.0), 0.1, "U", (0.5, 1.0), moment="Mean")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="max_evals = 4: give at least a run for each of 5"):
+        design_input(
+            problem,
+            Criterion(1.0),
+            0.1,
+            "U",
+            (0.5, 1.0),
+            method=MonteCarlo(),
+            points=5,
+            max_evals=4,
+        )
 
 
 def test_interval_between_the_values_follows_the_logarithm_of_pf() -> None:

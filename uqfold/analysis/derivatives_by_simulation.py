@@ -27,9 +27,16 @@ from uqfold.analysis.pf_derivatives import (
     chosen_parameters,
     derivative_row,
 )
+from uqfold.checks import whole
 from uqfold.evaluation import Evaluator
 from uqfold.inputs.score import ScoreFunction, score_function
-from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+    checked_problem,
+)
 from uqfold.methods.result import Status
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.methods.system_sample import BLOCK_SYSTEMS, SystemBlock, draw_systems
@@ -84,16 +91,15 @@ def score_derivatives(
         If the systems may cost more than `max_evals`; none is run then.
     """
     started = time.perf_counter()
+    checked_problem(problem)
     if not problem.exchangeable or not isinstance(problem.structure, Series):
         raise ValueError(f"{METHOD} needs exchangeable units in series, not {problem!r}")
-    if isinstance(systems, bool) or int(systems) != systems or systems < 2:
-        raise ValueError(f"systems = {systems}: simulate at least two")
+    systems = whole("systems", systems, at_least=2)
     asked = checked_criteria(problem, criteria)
     parameters = chosen_parameters(problem, inputs)
     scores = [score_function(problem.inputs, p.input, p.moment) for p in parameters]
     seed = reduced_seed(rng)
-    settings = Evaluator() if evaluator is None else evaluator
-    session = settings.open(problem, checked_budget(max_evals))
+    session = checked_evaluator(evaluator).open(problem, checked_budget(max_evals))
     most = systems * problem.n_units * max(c.max_missions for c in asked)
     session.expected = most
     check_affordable(session, most)

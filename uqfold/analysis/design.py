@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from uqfold.checks import real, refused, several
 from uqfold.methods.result import NO_ANSWER, CriterionResult, reliability_index
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -136,20 +137,25 @@ class Design:
         return self.high if self.seek == "smallest" else self.low
 
 
-def check_target(target_pf: float, between: tuple[float, float]) -> tuple[float, float]:
-    """Check target and range; gives the range.
+MOST_POINTS = 10_000
+"""Most values of a range that are looked at; more add nothing to a curve."""
+
+
+def checked_target(
+    target_pf: float, between: tuple[float, float]
+) -> tuple[float, tuple[float, float]]:
+    """Return target and range.
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If the target is no probability inside (0, 1), or the range is empty or not finite.
     """
-    if not 0.0 < target_pf < 1.0:
-        raise ValueError(f"target_pf = {target_pf}: give a probability inside (0, 1)")
-    low, high = float(between[0]), float(between[1])
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ValueError(f"between = {between}: give two finite numbers, the smaller one first")
-    return low, high
+    target = real("target_pf", target_pf, above=0.0, below=1.0, what="probability")
+    ends = several("between", between, real)
+    if len(ends) != 2 or not ends[0] < ends[1]:
+        raise refused("between", between, "give two finite numbers, the smaller one first")
+    return target, ends
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
-from uqfold.analysis.design import Design, Scan, Seek, check_target, located
+from uqfold.analysis.design import MOST_POINTS, Design, Scan, Seek, checked_target, located
 from uqfold.analysis.fitted_surface import fit_surface
+from uqfold.checks import choice, instance, or_none, refused, whole
 from uqfold.evaluation import Evaluator
 from uqfold.inputs.score import Moment
+from uqfold.methods.arguments import checked_budget, checked_method, checked_problem
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.kriging import Kriging
 from uqfold.methods.polynomial_chaos import PolynomialChaos
@@ -107,7 +110,7 @@ def design_input(
         `Kriging` (None: with its default settings) and `PolynomialChaos` make their runs once,
         spread over the range; any other method makes its own at every value looked at.
     points
-        Values in the range; None: 17 on a surface, 9 with any other method.
+        Values in the range, from 5 to 10,000; None: 17 on a surface, 9 with any other method.
     max_evals
         Most model runs, of all values together.
     rng, evaluator
@@ -126,26 +129,30 @@ def design_input(
         If the model runs allow no surface.
     """
     started = time.perf_counter()
-    ends = check_target(target_pf, between)
-    if input not in problem.inputs.names:
-        raise ValueError(f"{input!r} is not one of the inputs {list(problem.inputs.names)}")
-    if seek not in ("smallest", "largest"):
-        raise ValueError(f"seek = {seek!r}: give smallest or largest")
-    chosen = Kriging() if method is None else method
+    checked_problem(problem)
+    instance("criterion", criterion, Criterion, "give a Criterion")
+    target_pf, ends = checked_target(target_pf, between)
+    input = choice("input", input, problem.inputs.names)
+    moment = choice("moment", moment, get_args(Moment))
+    seek = choice("seek", seek, get_args(Seek))
+    chosen = checked_method(method) or Kriging()
     on_surface = isinstance(chosen, Kriging | PolynomialChaos)
-    size = (_SURFACE_POINTS if on_surface else _METHOD_POINTS) if points is None else points
-    if int(size) != size or size < 5:
-        raise ValueError(f"points = {points}: give a whole number, at least 5")
+    size = or_none("points", points, whole, at_least=5, at_most=MOST_POINTS)
+    if size is None:
+        size = _SURFACE_POINTS if on_surface else _METHOD_POINTS
+    budget = checked_budget(max_evals)
     question = _Question(problem, criterion, input, moment, ends)
     for end in ends:
         question.place(end)  # refuses moments that the distribution cannot have
-    values = np.linspace(*ends, int(size))
+    values = np.linspace(*ends, size)
     seed = reduced_seed(rng)
     if isinstance(chosen, Kriging | PolynomialChaos):
         scan, row = _on_surface(question, chosen, values, max_evals, seed, evaluator)
         cost = row.n_evals, row.n_reused
     else:
-        share = None if max_evals is None else max_evals // values.size
+        if budget is not None and budget < values.size:
+            raise refused("max_evals", budget, f"give at least a run for each of {size} points")
+        share = None if budget is None else budget // values.size
         rows = [
             chosen.estimate(
                 question.place(float(value))[0], [criterion],

@@ -7,8 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from uqfold.analysis.design import Design, Scan, check_target, located
+from uqfold.analysis.design import MOST_POINTS, Design, Scan, checked_target, located
+from uqfold.checks import listed, refused, whole
 from uqfold.evaluation import Evaluator
+from uqfold.methods.arguments import checked_method, checked_problem
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.kriging import Kriging
 from uqfold.methods.result import CriterionResult
@@ -85,7 +87,7 @@ def design_thresholds(
     method
         Any method; None: `Kriging` with its default settings.
     points
-        Thresholds in the range, at least 9.
+        Thresholds in the range, from 9 to 10,000.
     max_evals, rng, evaluator
         As in `ReliabilityMethod.estimate`.
 
@@ -99,25 +101,34 @@ def design_thresholds(
     ValueError, TypeError
         For wrong arguments, before any run is spent.
     """
-    low, high = check_target(target_pf, between)
-    if int(points) != points or points < 9:
-        raise ValueError(f"points = {points}: give a whole number, at least 9")
-    thresholds = np.linspace(low, high, int(points)).tolist()
+    checked_problem(problem)
+    target_pf, (low, high) = checked_target(target_pf, between)
+    points = whole("points", points, at_least=9, at_most=MOST_POINTS)
+    thresholds = np.linspace(low, high, points).tolist()
     grid = Criteria(
         Criterion(threshold, tau, missions)
-        for tau, missions in profiles
+        for tau, missions in _checked_profiles(profiles)
         for threshold in thresholds
     )
-    chosen = Kriging() if method is None else method
+    chosen = checked_method(method) or Kriging()
     result = chosen.estimate(problem, grid, max_evals=max_evals, rng=rng, evaluator=evaluator)
     designs = []
-    for k in range(len(profiles)):
+    for k in range(len(grid) // len(thresholds)):
         rows = result.rows[k * len(thresholds) : (k + 1) * len(thresholds)]
         designs.append(
             _design(problem, target_pf, (low, high), grid[k * len(thresholds)],
                     Scan.of(thresholds, rows), rows[0])
         )  # fmt: skip
     return designs
+
+
+def _checked_profiles(
+    profiles: Sequence[tuple[float | None, Missions]],
+) -> list[tuple[float | None, Missions]]:
+    pairs = [listed(f"profiles[{i}]", one) for i, one in enumerate(listed("profiles", profiles))]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        raise refused("profiles", profiles, "give pairs of tau (or None) and missions")
+    return [(tau, missions) for tau, missions in pairs]
 
 
 def _design(

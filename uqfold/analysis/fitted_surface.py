@@ -13,6 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from uqfold.checks import instance
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
 from uqfold.methods.kriging import Kriging, KrigingDetails
@@ -103,8 +104,7 @@ def fit_surface(
     NoSurfaceError
         If it found no answer, or some responses are infinite or failed, where no surface is.
     """
-    if not isinstance(method, Kriging | PolynomialChaos):
-        raise TypeError(f"{method!r} has no response surface: give Kriging or PolynomialChaos")
+    instance("method", method, (Kriging, PolynomialChaos), "give Kriging() or PolynomialChaos()")
     result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
     details = result.details
     if not isinstance(details, KrigingDetails | PolynomialChaosDetails):

@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING
 
+from uqfold.checks import choice, names, refused
 from uqfold.inputs.score import Moment
 from uqfold.methods.result import ErrorKind, Status
 from uqfold.problems.base import Problem
@@ -216,11 +217,14 @@ def chosen_parameters(problem: Problem, inputs: Sequence[str] | None) -> tuple[I
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If a name is not one of the inputs.
     """
+    every = input_parameters(problem)
+    if inputs is None:
+        return every
     known = problem.inputs.names
-    unknown = [name for name in inputs or () if name not in known]
-    if unknown:
-        raise ValueError(f"{unknown[0]!r} is not one of the inputs {list(known)}")
-    return tuple(p for p in input_parameters(problem) if inputs is None or p.input in inputs)
+    chosen = {choice(f"inputs[{i}]", one, known) for i, one in enumerate(names("inputs", inputs))}
+    if not chosen:
+        raise refused("inputs", inputs, "name at least one input, or give None for all")
+    return tuple(p for p in every if p.input in chosen)

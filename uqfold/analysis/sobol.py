@@ -29,8 +29,9 @@ import numpy as np
 from uqfold.algebra import one_blas_thread
 from uqfold.analysis.affordable import check_affordable
 from uqfold.analysis.fitted_surface import fit_surface
+from uqfold.checks import instance, or_none, refused, whole
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import checked_budget
+from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_problem
 from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import ErrorKind
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
@@ -151,14 +152,14 @@ def pick_freeze(
         If the runs cost more than `max_evals`; none is made then.
     """
     started = time.perf_counter()
-    if samples < 4 or samples & (samples - 1):
-        raise ValueError(f"samples = {samples}: give a power of two, at least 4")
-    if repetitions < 3:
-        raise ValueError(f"repetitions = {repetitions}: an error needs at least 3")
+    checked_problem(problem)
+    samples = whole("samples", samples, at_least=4, what="power of two")
+    if samples & (samples - 1):
+        raise refused("samples", samples, "give a power of two >= 4")
+    repetitions = whole("repetitions", repetitions, at_least=3)
     inputs = problem.inputs
     seed = reduced_seed(rng)
-    settings = Evaluator() if evaluator is None else evaluator
-    session = settings.open(problem, checked_budget(max_evals))
+    session = checked_evaluator(evaluator).open(problem, checked_budget(max_evals))
     points = _points(inputs.dimension, inputs.n_shared)
     session.expected = repetitions * samples * points
     check_affordable(session, session.expected)
@@ -222,9 +223,11 @@ def chaos_sobol(
         If the model runs allow no expansion.
     """
     started = time.perf_counter()
+    wanted = "give PolynomialChaos(...)"
+    chosen = or_none("method", method, instance, PolynomialChaos, wanted) or PolynomialChaos()
     # which criterion is asked for does not matter: it is the surface that is wanted
     fitted = fit_surface(
-        problem, criteria(math.inf), PolynomialChaos() if method is None else method,
+        problem, criteria(math.inf), chosen,
         max_evals=max_evals, rng=rng, evaluator=evaluator,
     )  # fmt: skip
     expansion = fitted.surface

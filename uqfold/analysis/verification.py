@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from uqfold.analysis.design import Design
+from uqfold.checks import instance, listed, or_none, real, refused
 from uqfold.evaluation import Evaluator
+from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_method
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.result import NO_ANSWER, CriterionResult
@@ -77,10 +79,10 @@ def verify(
     RuntimeError
         If the simulation gives no answer.
     """
-    at = design.value if value is None else value
-    return verify_all(
-        [(design, at)], method, max_evals=max_evals, rng=rng, evaluator=evaluator
-    )[0]  # fmt: skip
+    instance("design", design, Design, "give what design_threshold or design_input returned")
+    at = or_none("value", value, real)
+    places = [(design, design.value if at is None else at)]
+    return verify_all(places, method, max_evals=max_evals, rng=rng, evaluator=evaluator)[0]
 
 
 def verify_all(
@@ -95,10 +97,18 @@ def verify_all(
 
     Designs of thresholds for the same problem share one simulation.
     """
-    chosen = MonteCarlo(systems=100_000) if method is None else method
+    chosen = checked_method(method) or MonteCarlo(systems=100_000)
+    checked_budget(max_evals)
+    checked_evaluator(evaluator)
     seed = reduced_seed(rng)
     placed = []
-    for design, value in places:
+    for i, pair in enumerate(listed("places", places)):
+        if len(listed(f"places[{i}]", pair)) != 2:
+            raise refused(f"places[{i}]", pair, "give a Design and a value")
+        design, value = pair
+        instance(f"places[{i}][0]", design, Design, "give a Design")
+        if value is not design.value:  # which is NaN in a design without one
+            value = real(f"places[{i}][1]", value)
         if not math.isfinite(value):
             raise ValueError(f"{design.parameter}: no value to verify ({design.status})")
         placed.append(design.place(value))

@@ -3,14 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from uqfold.checks import instance, or_none, whole
 from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 
+if TYPE_CHECKING:
+    from uqfold.methods.base import ReliabilityMethod
+
 CriteriaLike: TypeAlias = Criteria | Criterion | Iterable[Criterion] | None
+
+
+def checked_problem(problem: Problem) -> Problem:
+    """Return the problem.
+
+    Raises
+    ------
+    TypeError
+        If it is no `Problem`.
+    """
+    return instance("problem", problem, Problem, "give a Problem")
+
+
+def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None:
+    """Return the method, or None.
+
+    Raises
+    ------
+    TypeError
+        If it is no `ReliabilityMethod`, for example the class instead of a method built from it.
+    """
+    from uqfold.methods.base import ReliabilityMethod
+
+    wanted = "give a method such as uqfold.methods.Kriging()"
+    checked: ReliabilityMethod | None = or_none(
+        "method", method, instance, (ReliabilityMethod,), wanted
+    )
+    return checked
 
 
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
@@ -23,7 +54,7 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
     TypeError
         If one of them is no `Criterion`, or the problem is no `Problem`.
     """
-    instance("problem", problem, Problem, "give a Problem")
+    checked_problem(problem)
     if criteria is None:
         if problem.default_criteria is None:
             raise ValueError(
