@@ -17,6 +17,7 @@ from uqfold.problems import Problem
 from uqfold.problems.criterion import Binomial, Criteria, Criterion, criteria
 from uqfold.problems.reference import Reference, ReferenceTable
 from uqfold.testing import LinearNormalSystem
+from uqfold.testing.counting import RowCount
 
 SYSTEM = LinearNormalSystem()
 THRESHOLDS = (11.0, 12.0, 13.0)
@@ -28,12 +29,16 @@ RELATIVE_STD_ERROR = 0.01
 class CountingModel:
     """The response of the linear-normal system, counting its rows."""
 
-    rows: int = 0
     seen: list[int] = field(default_factory=list)
+    count: RowCount = field(default_factory=RowCount)
+
+    @property
+    def rows(self) -> int:
+        return self.count.rows
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
-        self.rows += len(x)
-        self.seen.append(len(x))
+        if self.count.add(x):
+            self.seen.append(len(x))
         return SYSTEM.response(x)
 
 

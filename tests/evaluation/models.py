@@ -11,6 +11,7 @@ import numpy as np
 
 from uqfold.inputs import normal
 from uqfold.problems import Problem
+from uqfold.testing.counting import RowCount
 from uqfold.typing import FloatArray, Model
 
 FATAL = 2.0
@@ -75,15 +76,17 @@ class Uneven:
         return quadratic(x)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Counting:
-    """Counts its rows; not frozen, so that the counts are no parameters."""
+    """Counts its rows; the counts are no parameters, and the model is one like any other."""
 
-    model: Model = quadratic
-    sizes: list[int] = field(default_factory=list)
+    model: Model = field(default=quadratic, compare=False)
+    sizes: list[int] = field(default_factory=list, compare=False)
+    count: RowCount = field(default_factory=RowCount, compare=False)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        self.sizes.append(len(x))
+        if self.count.add(x):
+            self.sizes.append(len(x))
         return np.asarray(self.model(x))
 
     @property

@@ -16,6 +16,7 @@ import pytest
 import uqfold
 from tests.evaluation import models
 from uqfold.evaluation import Evaluator, FailedRunError, Store, StoreError
+from uqfold.evaluation.calling import COMPARED
 from uqfold.evaluation.identity import model_identity
 from uqfold.evaluation.shelf import MOST_WAITING, Shelf
 from uqfold.evaluation.store import entry_key
@@ -116,6 +117,14 @@ def test_blocks_are_found_whatever_the_batches(path: Path) -> None:
         assert row.n_reused == row.n_evals
 
 
+SEEN: list[int] = []
+
+
+def mended(x: FloatArray) -> FloatArray:
+    SEEN.append(len(x))
+    return models.quadratic(x)
+
+
 def test_failed_runs_are_made_again(path: Path) -> None:
     x = models.rows(3000)
     bad = x[:, 1] > models.FATAL
@@ -126,12 +135,13 @@ def test_failed_runs_are_made_again(path: Path) -> None:
             session = Evaluator(store=path.with_suffix(f".{len(small)}")).open(problem, None)
             session.evaluate(small)
             assert (session.n_reused, session.n_failed) == (reused, failures)
-        mended = models.Counting()
+        SEEN.clear()
         session = Evaluator(store=path.with_suffix(f".{len(small)}")).open(
             models.problem(mended), None
         )
         np.testing.assert_array_equal(session.evaluate(small), models.quadratic(small))
-        assert mended.rows == failures
+        assert SEEN[0] == failures
+        assert sum(SEEN) <= failures + COMPARED
 
 
 def test_policies_are_applied_to_what_comes_from_the_store(path: Path) -> None:
@@ -178,7 +188,8 @@ def scaled(factor: float, x: FloatArray) -> FloatArray:
 
 def test_identity_covers_name_version_inputs_and_parameters() -> None:
     base = models.problem()
-    assert model_identity(base) == model_identity(models.problem(models.Counting()))
+    # name and version say which function it is
+    assert model_identity(base) == model_identity(models.problem(models.never))
     assert model_identity(models.problem(version=None)) is None
     different = [
         base,

@@ -33,7 +33,7 @@ class Scripted(ReliabilityMethod):
     runs: int = 1
 
     def _solve(self, task: Task) -> Solution:
-        task.evaluate(np.zeros((self.runs, 3)))
+        task.evaluate(np.tile(np.arange(float(self.runs))[:, None], 3))
         return Solution([self.answer] * len(task.criteria), details="found")
 
 
@@ -162,9 +162,7 @@ def test_policy_raise_raises_and_others_do_not() -> None:
 
 def test_method_that_cannot_bound_failed_runs_gives_no_number() -> None:
     inputs = SYSTEM.problem().inputs.distribution
-    problem = Problem(
-        lambda x: np.where(np.arange(len(x)) == 0, np.nan, 1.0), inputs=inputs, shared=["V"]
-    )
+    problem = Problem(lambda x: np.where(x[:, 0] == 0.0, np.nan, 1.0), inputs=inputs, shared=["V"])
     row = Scripted(runs=3).estimate(problem, criteria(1.0))[0]
     assert row.status == "failed"
     assert "cannot bound" in row.message

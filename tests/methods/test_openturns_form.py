@@ -15,6 +15,7 @@ from uqfold.inputs import normal
 from uqfold.methods.design_point import Search
 from uqfold.methods.openturns_form import OpenTURNSFORM
 from uqfold.methods.standard_space import Linearisation
+from uqfold.testing.counting import RowCount
 from uqfold.typing import FloatArray
 
 MEAN, SHARED, INDIVIDUAL = 10.0, 0.6, 1.0
@@ -27,10 +28,14 @@ class Counted:
     """Count the rows that a model sees."""
 
     def __init__(self, model) -> None:
-        self.model, self.rows = model, 0
+        self.model, self.count = model, RowCount()
+
+    @property
+    def rows(self) -> int:
+        return self.count.rows
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        self.rows += x.shape[0]
+        self.count.add(x)
         return self.model(x)
 
 

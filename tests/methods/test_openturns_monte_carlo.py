@@ -12,6 +12,7 @@ from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.inputs import normal
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo
+from uqfold.testing.counting import RowCount
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.typing import FloatArray
 
@@ -22,10 +23,14 @@ class Counted:
     """Count the rows that a model sees."""
 
     def __init__(self, model=SYSTEM.response) -> None:
-        self.model, self.rows = model, 0
+        self.model, self.count = model, RowCount()
+
+    @property
+    def rows(self) -> int:
+        return self.count.rows
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        self.rows += x.shape[0]
+        self.count.add(x)
         return self.model(x)
 
 

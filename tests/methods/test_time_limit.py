@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from uqfold.evaluation import Evaluator, TimeLimitError
-from uqfold.evaluation.batch import run_batch
+from uqfold.evaluation.batch import Caution, run_batch
 from uqfold.methods import (
     ActiveKriging,
     FFNIPearson,
@@ -141,7 +141,7 @@ def test_the_limit_is_lifted_while_the_model_runs() -> None:
         raise TimeLimitError("over")
 
     with time_checked_by(expired):
-        assert run_batch(model, np.zeros((3, 1))).y.tolist() == [0.0, 0.0, 0.0]
+        assert run_batch(model, np.zeros((3, 1)), Caution()).y.tolist() == [0.0, 0.0, 0.0]
         with pytest.raises(TimeLimitError):
             check_time()
     check_time()

@@ -165,7 +165,7 @@ def run_once(problem: Problem) -> None:
     Otherwise the first method would be charged with the compilation. What the model has against
     these inputs is for the methods to find out.
     """
-    with contextlib.suppress(Exception):
+    with contextlib.suppress(Exception, SystemExit):
         x = problem.inputs.from_standard_normal(np.zeros((1, problem.inputs.dimension)))
         problem.model(x)
 

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from uqfold.evaluation.batch import per_sample
     from uqfold.evaluation.dask_cluster import Dask
     from uqfold.evaluation.errors import (
         BudgetExceededError,
         EngineError,
         ExecutorError,
         FailedRunError,
+        ModelError,
         StoreError,
         TimeLimitError,
     )
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from uqfold.evaluation.external import ExternalCode
     from uqfold.evaluation.outputs import Column, Regex
     from uqfold.evaluation.processes import Processes
+    from uqfold.evaluation.row_model import per_sample
     from uqfold.evaluation.running import RunningEstimate
     from uqfold.evaluation.session import EvaluationSession
     from uqfold.evaluation.store import Store
@@ -36,6 +37,7 @@ __all__ = [
     "FailedRunError",
     "Futures",
     "InProcess",
+    "ModelError",
     "Processes",
     "Regex",
     "RunningEstimate",
@@ -60,12 +62,13 @@ __getattr__, __dir__ = lazy_exports(
         "FailedRunError": "uqfold.evaluation.errors",
         "Futures": "uqfold.evaluation.executors",
         "InProcess": "uqfold.evaluation.executors",
+        "ModelError": "uqfold.evaluation.errors",
         "Processes": "uqfold.evaluation.processes",
         "Regex": "uqfold.evaluation.outputs",
         "RunningEstimate": "uqfold.evaluation.running",
         "Store": "uqfold.evaluation.store",
         "StoreError": "uqfold.evaluation.errors",
         "TimeLimitError": "uqfold.evaluation.errors",
-        "per_sample": "uqfold.evaluation.batch",
+        "per_sample": "uqfold.evaluation.row_model",
     },
 )

@@ -12,7 +12,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from uqfold.evaluation.batch import Outcome, run_batch, shown
+from uqfold.evaluation.batch import Caution, Outcome, run_batch
+from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.executors import Executor, Runner, limited
 from uqfold.typing import FloatArray, Model
@@ -87,7 +88,7 @@ class _DaskRunner(Runner):
             ) from error
         self._client = client
         self.capacity = QUEUED_PER_THREAD
-        self._jobs: dict[Any, tuple[int, FloatArray]] = {}
+        self._jobs: dict[Any, tuple[int, FloatArray, Caution]] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._last_seen = time.monotonic()
         self._next_look = 0.0
@@ -97,9 +98,9 @@ class _DaskRunner(Runner):
     def in_flight(self) -> int:
         return len(self._jobs)
 
-    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
-        future = self._start(x, may_give_up)
-        self._jobs[future] = number, x
+    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+        future = self._start(x, caution)
+        self._jobs[future] = number, x, caution
         # much quicker than asking for the state of all of them
         future.add_done_callback(self._done.put)
 
@@ -109,9 +110,9 @@ class _DaskRunner(Runner):
             future = self._done.get(timeout=timeout)
         except queue.Empty:
             return None
-        number, x = self._jobs.pop(future)
+        number, x, caution = self._jobs.pop(future)
         outcome = self._outcome(future)
-        return number, self._row_by_row(x) if outcome is None else outcome
+        return number, self._row_by_row(x, caution) if outcome is None else outcome
 
     def abandon(self) -> None:
         self._client.cancel(list(self._jobs), force=True)
@@ -119,8 +120,8 @@ class _DaskRunner(Runner):
         # what is still called back belongs to nobody
         self._done = queue.SimpleQueue()
 
-    def _start(self, x: FloatArray, may_give_up: bool) -> Any:
-        return self._client.submit(_run_pickled, self._model, x, may_give_up, pure=False)
+    def _start(self, x: FloatArray, caution: Caution) -> Any:
+        return self._client.submit(_run_pickled, self._model, x, caution, pure=False)
 
     def _outcome(self, future: Any) -> Outcome | None:
         """Wait for one batch; None if its workers died of it."""
@@ -142,17 +143,19 @@ class _DaskRunner(Runner):
             else:
                 return outcome
 
-    def _row_by_row(self, x: FloatArray) -> Outcome:
+    def _row_by_row(self, x: FloatArray, caution: Caution) -> Outcome:
         """Find the rows that end their worker; all others get their responses."""
         y, reason, seconds = np.full(x.shape[0], np.nan), "", 0.0
+        in_doubt, unusable = caution.in_doubt, ""
         for i in range(x.shape[0]):
-            outcome = self._outcome(self._start(x[i : i + 1], False))
+            outcome = self._outcome(self._start(x[i : i + 1], Caution(in_doubt=in_doubt)))
             if outcome is None:
                 reason = reason or f"the model ended its worker at x = {shown(x[i])}"
             else:
                 y[i], seconds = outcome.y[0], seconds + outcome.seconds
                 reason = reason or outcome.reason
-        return Outcome(y, reason, seconds)
+                in_doubt, unusable = outcome.in_doubt, unusable or outcome.unusable
+        return Outcome(y, reason, seconds, in_doubt, unusable)
 
     def _look_for_workers(self) -> None:
         """Adapt to workers that have come or gone; without any there is nothing to wait for."""
@@ -175,9 +178,9 @@ def _unpickled(model: bytes) -> Any:
     return pickle.loads(model)
 
 
-def _run_pickled(model: bytes, x: FloatArray, may_give_up: bool) -> Outcome:
+def _run_pickled(model: bytes, x: FloatArray, caution: Caution) -> Outcome:
     """Run a batch on a worker, which loads the model once only."""
-    return run_batch(_unpickled(model), x, may_give_up)
+    return run_batch(_unpickled(model), x, caution)
 
 
 def _distributed() -> ModuleType:

@@ -33,6 +33,10 @@ class FailedRunError(RuntimeError):
     """A model run failed under the policy ``raise``, or every run of the model fails."""
 
 
+class ModelError(FailedRunError):
+    """The model does not take rows X (n, d), or gives something else than a response for each."""
+
+
 class EngineError(RuntimeError):
     """Store or executor failed, not the model; no status of a method can stand for that."""
 

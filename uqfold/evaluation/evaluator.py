@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Literal, get_args
 
-from uqfold.evaluation.batch import RowModel
+from uqfold.evaluation.description import UndescribedError
 from uqfold.evaluation.executors import Executor, Futures, InProcess
 from uqfold.evaluation.identity import model_identity
+from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.running import RunningEstimate
 from uqfold.evaluation.session import EvaluationSession
 from uqfold.evaluation.shelf import Shelf
@@ -106,32 +107,49 @@ class Evaluator:
         """
         shelf = None
         if isinstance(self.store, Store):
-            identity = model_identity(problem)
-            if identity is not None:
-                shelf = Shelf(self.store, identity)
-            else:
-                warnings.warn(
-                    f"nothing is stored: problem {problem.name!r} does not state the version of "
-                    "its model. Give Problem(version=...), and another one whenever it changes",
-                    stacklevel=2,
-                )
+            shelf = self._shelf(self.store, problem)
         return self._session(problem.model, problem.inputs.dimension, max_evals, shelf)
 
     def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
         """Open the counted access to a bare model, of which nothing is stored."""
         return self._session(model, dimension, max_evals, None)
 
-    def counting_only(self) -> Evaluator:
-        """Give the settings for responses that come from elsewhere: nothing to run or to store."""
-        return replace(self, store=None, executor=None, max_seconds=None, seconds_per_run=None)
+    def session_of_told(
+        self, model: Model, dimension: int, max_evals: int | None
+    ) -> EvaluationSession:
+        """Open the count of responses that come from elsewhere: nothing to run or to store."""
+        settings = replace(self, store=None, executor=None, max_seconds=None, seconds_per_run=None)
+        return settings._session(model, dimension, max_evals, None, in_doubt=False)
+
+    def _shelf(self, store: Store, problem: Problem) -> Shelf | None:
+        try:
+            identity = model_identity(problem)
+        except UndescribedError as error:
+            reason = f"what the model of {problem.name!r} holds cannot be told from others: {error}"
+            remedy = (
+                "Make it a frozen dataclass of plain values (field(compare=False) for what has no "
+                "influence on a response), a function, or functools.partial of one"
+            )
+        else:
+            if identity is not None:
+                return Shelf(store, identity)
+            reason = f"problem {problem.name!r} does not state the version of its model"
+            remedy = "Give Problem(version=...), and another one whenever it changes"
+        warnings.warn(f"nothing is stored: {reason}. {remedy}", stacklevel=3)
+        return None
 
     def _session(
-        self, model: Model, dimension: int, max_evals: int | None, shelf: Shelf | None
+        self,
+        model: Model,
+        dimension: int,
+        max_evals: int | None,
+        shelf: Shelf | None,
+        in_doubt: bool = True,
     ) -> EvaluationSession:
         executor = self.executor
         if not isinstance(executor, Executor):
             executor = _default_executor(model)
-        return EvaluationSession(self, model, dimension, max_evals, executor, shelf)
+        return EvaluationSession(self, model, dimension, max_evals, executor, shelf, in_doubt)
 
 
 def _default_executor(model: Model) -> Executor:

@@ -16,8 +16,9 @@ from collections import deque
 from types import TracebackType
 from typing import ClassVar
 
-from uqfold.evaluation.batch import Outcome, RowModel, run_batch
+from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.errors import ExecutorError
+from uqfold.evaluation.row_model import RowModel
 from uqfold.typing import FloatArray, Model
 
 QUEUED_PER_WORKER = 2
@@ -38,8 +39,8 @@ class Runner(ABC):
         """Batches submitted and not yet handed out."""
 
     @abstractmethod
-    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
-        """Take a batch X (n, d); `may_give_up` as in `run_batch`."""
+    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+        """Take a batch X (n, d); `caution` as in `run_batch`."""
 
     @abstractmethod
     def finished(self, timeout: float) -> tuple[int, Outcome] | None:
@@ -103,19 +104,19 @@ class _InProcessRunner(Runner):
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._waiting: deque[tuple[int, FloatArray, bool]] = deque()
+        self._waiting: deque[tuple[int, FloatArray, Caution]] = deque()
 
     @property
     def in_flight(self) -> int:
         return len(self._waiting)
 
-    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
-        self._waiting.append((number, x, may_give_up))
+    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+        self._waiting.append((number, x, caution))
 
     def finished(self, timeout: float) -> tuple[int, Outcome] | None:
         del timeout  # nobody else could look at the clock
-        number, x, may_give_up = self._waiting.popleft()
-        return number, run_batch(self._model, x, may_give_up)
+        number, x, caution = self._waiting.popleft()
+        return number, run_batch(self._model, x, caution)
 
     def abandon(self) -> None:
         self._waiting.clear()
@@ -157,9 +158,9 @@ class _FuturesRunner(Runner):
     def in_flight(self) -> int:
         return len(self._numbers)
 
-    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
+    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
         try:
-            future = self._executor.submit(run_batch, self._model, x, may_give_up)
+            future = self._executor.submit(run_batch, self._model, x, caution)
         except RuntimeError as error:
             raise self._broken(error) from error
         self._numbers[future] = number

@@ -19,10 +19,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from uqfold.checks import choice, function, keep, or_none, path, real, refused, several, text, whole
-from uqfold.evaluation.batch import RowModel
 from uqfold.evaluation.errors import ExternalRunError
 from uqfold.evaluation.outputs import response
 from uqfold.evaluation.programs import Programs
+from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.run_folder import REASON
 from uqfold.evaluation.templates import (
     check_placeholders,

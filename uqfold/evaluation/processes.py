@@ -15,9 +15,11 @@ from multiprocessing.connection import wait
 
 import numpy as np
 
-from uqfold.evaluation.batch import Outcome, RowModel, shown
+from uqfold.evaluation.batch import Caution, Outcome
+from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.executors import QUEUED_PER_WORKER, Executor, Runner, pickled
+from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.worker import Job, Worker
 from uqfold.typing import FloatArray, Model
 
@@ -108,8 +110,8 @@ class _ProcessesRunner(Runner):
     def in_flight(self) -> int:
         return len(self._queue) + len(self._pool.busy()) + len(self._through)
 
-    def submit(self, number: int, x: FloatArray, may_give_up: bool) -> None:
-        self._queue.append(Job(number, x, may_give_up, alone=self._limit is not None))
+    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+        self._queue.append(Job(number, x, caution, alone=self._limit is not None))
         self._assign()
 
     def finished(self, timeout: float) -> tuple[int, Outcome] | None:
@@ -128,7 +130,7 @@ class _ProcessesRunner(Runner):
             if now >= end and not self._through:
                 return None
         job = self._through.popleft()
-        return job.number, Outcome(job.y, job.reason, job.seconds)
+        return job.number, job.outcome()
 
     def abandon(self) -> None:
         self._queue.clear()
@@ -148,7 +150,7 @@ class _ProcessesRunner(Runner):
             if worker.token != self._token:
                 worker.token, worker.ready = self._token, False
                 worker.line.send(("model", self._model))
-            worker.line.send(("batch", (job.x[job.rows], job.may_give_up)))
+            worker.line.send(("batch", (job.x[job.rows], job.caution)))
         except OSError:
             self._bury(worker)
             return
@@ -175,7 +177,7 @@ class _ProcessesRunner(Runner):
             return
         assert worker.job is not None
         worker.deadline = None
-        if worker.job.advance(*content):
+        if worker.job.advance(content):
             self._through.append(worker.job)
             worker.job = None
         else:
@@ -207,7 +209,8 @@ class _ProcessesRunner(Runner):
         self._give_up(job, f"the run took longer than {self._limit:g} s")
 
     def _give_up(self, job: Job, reason: str) -> None:
-        if job.advance(np.nan, f"{reason} at x = {shown(job.x[job.done])}", 0.0):
+        told = f"{reason} at x = {shown(job.x[job.done])}"
+        if job.advance(Outcome(np.full(1, np.nan), told, 0.0, job.caution.in_doubt)):
             self._through.append(job)
         else:
             self._queue.appendleft(job)

@@ -19,9 +19,16 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from uqfold.algebra import program_blas_threads
-from uqfold.evaluation.batch import GIVE_UP_AFTER, RowModel, shown
-from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
+from uqfold.evaluation.batch import GIVE_UP_AFTER, Caution
+from uqfold.evaluation.calling import shown
+from uqfold.evaluation.errors import (
+    BudgetExceededError,
+    FailedRunError,
+    ModelError,
+    TimeLimitError,
+)
 from uqfold.evaluation.executors import Executor, Runner
+from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.running import RunningEstimate
 from uqfold.evaluation.shelf import Shelf
 from uqfold.typing import BoolArray, FloatArray, Model
@@ -62,6 +69,9 @@ class EvaluationSession:
 
     Attributes
     ----------
+    in_doubt
+        Whether it is still to be found out that the model takes rows: a few of the first are then
+        run again alone, which counts nowhere.
     n_evals
         Runs asked for so far, one per row.
     n_reused
@@ -80,6 +90,7 @@ class EvaluationSession:
     max_evals: int | None
     executor: Executor
     shelf: Shelf | None = None
+    in_doubt: bool = True
     n_evals: int = 0
     n_reused: int = 0
     n_failed: int = 0
@@ -91,6 +102,9 @@ class EvaluationSession:
     def __post_init__(self) -> None:
         self._runner: Runner = self.executor.open(self.model, self.settings.seconds_per_run)
         self._numbers = count()
+        self.in_doubt = self.in_doubt and not isinstance(self.model, RowModel)
+        self._in_question: int | None = None
+        self._unkept: list[tuple[FloatArray, FloatArray, int, float]] = []
         limit = self.settings.max_seconds
         self._deadline = None if limit is None else time.monotonic() + limit
         self._summed_up_by: float | None = None
@@ -125,6 +139,8 @@ class EvaluationSession:
             rows before.
         FailedRunError
             If a run fails under the policy ``raise``, or the first 64 runs all fail.
+        ModelError
+            If the model does not take rows, or gives something else than a response for each.
         EngineError
             If store or executor fail.
         ValueError
@@ -151,7 +167,7 @@ class EvaluationSession:
 
         Raises
         ------
-        BudgetExceededError, TimeLimitError, FailedRunError, EngineError, ValueError
+        BudgetExceededError, TimeLimitError, FailedRunError, ModelError, EngineError, ValueError
             As `evaluate` does, when it is the turn of the block.
         """
         coming = self._batches(blocks)
@@ -193,6 +209,8 @@ class EvaluationSession:
             self._reserved = 0
             if self._runner.in_flight:
                 self._runner.abandon()
+            self._in_question = None
+            self._unkept.clear()
             if self.shelf is not None:
                 self.shelf.flush()
 
@@ -270,8 +288,11 @@ class EvaluationSession:
             return
         number = next(self._numbers)
         under_way[number] = batch
+        asks = self.in_doubt and self._in_question is None
+        if asks:
+            self._in_question = number
         with program_blas_threads():
-            self._runner.submit(number, x, first and self._n_good == 0)
+            self._runner.submit(number, x, Caution(first and self._n_good == 0, asks))
 
     def _collect(self, under_way: dict[int, _Batch]) -> None:
         """Wait for any batch under way, and keep its responses."""
@@ -280,12 +301,25 @@ class EvaluationSession:
                 self._check_deadline()
         number, outcome = found
         batch = under_way.pop(number)
+        if outcome.unusable:
+            raise ModelError(outcome.unusable)
+        if number == self._in_question:
+            self.in_doubt, self._in_question = outcome.in_doubt, None
         if batch.missing is None:
             batch.y[:] = outcome.y
         else:
             batch.y[batch.missing] = outcome.y
         batch.reason, batch.done = outcome.reason, True
         if self.shelf is not None:
+            if self.in_doubt and batch.x.shape[0] > 1:
+                # from here on others may write into these arrays
+                kept = batch.x.copy(), batch.y.copy(), batch.grain, outcome.seconds
+                self._unkept.append(kept)
+                return
+            if not self.in_doubt:
+                for entry in self._unkept:
+                    self.shelf.keep(*entry)
+                self._unkept.clear()
             self.shelf.keep(batch.x, batch.y, batch.grain, outcome.seconds)
 
     def _account(self, batch: _Batch) -> None:

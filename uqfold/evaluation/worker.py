@@ -8,13 +8,13 @@ import pickle
 import signal
 import threading
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from typing import Any, NoReturn
 
 import numpy as np
 
-from uqfold.evaluation.batch import run_batch
+from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.guard import adopt_orphans, descendants, end_descendants
 from uqfold.typing import FloatArray
 
@@ -28,12 +28,13 @@ class Job:
 
     number: int
     x: FloatArray
-    may_give_up: bool
+    caution: Caution
     alone: bool
     done: int = 0
     deaths: int = 0
     seconds: float = 0.0
     reason: str = ""
+    unusable: str = ""
     y: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -44,14 +45,20 @@ class Job:
         """Rows to be run next."""
         return slice(self.done, self.done + 1 if self.alone else self.x.shape[0])
 
-    def advance(self, y: FloatArray | float, reason: str, seconds: float) -> bool:
-        """Take the responses of `rows`; give whether the batch is through."""
+    def advance(self, outcome: Outcome) -> bool:
+        """Take the responses of `rows`; return whether the batch is through."""
         rows = self.rows
-        self.y[rows] = y
-        self.reason = self.reason or reason
-        self.seconds += seconds
+        self.y[rows] = outcome.y
+        self.reason = self.reason or outcome.reason
+        self.unusable = self.unusable or outcome.unusable
+        self.seconds += outcome.seconds
+        self.caution = replace(self.caution, in_doubt=outcome.in_doubt)
         self.done, self.deaths = rows.stop, 0
         return bool(self.done == self.x.shape[0])
+
+    def outcome(self) -> Outcome:
+        """Return the responses of the whole batch."""
+        return Outcome(self.y, self.reason, self.seconds, self.caution.in_doubt, self.unusable)
 
 
 @dataclass(eq=False)
@@ -111,8 +118,7 @@ def _serve(line: Connection) -> None:
                 model = pickle.loads(content)
                 line.send(("ready", None))
             else:
-                outcome = run_batch(model, *content)
-                line.send(("batch", (outcome.y, outcome.reason, outcome.seconds)))
+                line.send(("batch", run_batch(model, *content)))
         except (EOFError, BrokenPipeError, ConnectionResetError):
             return
         except Exception as error:

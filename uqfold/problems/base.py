@@ -25,6 +25,7 @@ from uqfold.checks import (
 )
 from uqfold.inputs import JointInputs, joint_inputs, product_inputs
 from uqfold.problems.criterion import Criteria, criteria
+from uqfold.problems.responses import numbers_in
 from uqfold.problems.structure import CutSets, KOutOfN, Parallel, Series, Structure
 from uqfold.typing import FloatArray, Model
 
@@ -77,9 +78,10 @@ class Problem:
     Parameters
     ----------
     model
-        Response model: takes X (n, d), columns shared inputs first, gives y (n,); the response is
-        the quantity that must stay small. +inf is a valid response that fails every criterion;
-        NaN or an exception is a failed run.
+        Response model: takes X (n, d), columns shared inputs first, returns y (n,) or (n, 1); the
+        response is the quantity that must stay small. +inf is a valid response that fails every
+        criterion; NaN, a masked entry or an exception is a failed run. A function of one sample
+        (d,) is wrapped by `uqfold.evaluation.per_sample`.
     inputs
         Joint distribution of all inputs (second form).
     shared
@@ -192,7 +194,8 @@ class Problem:
         Parameters
         ----------
         g
-            Limit-state function: takes X (n, d), gives (n,).
+            Limit-state function: takes X (n, d), returns (n,); one of a single sample is wrapped
+            by `uqfold.evaluation.per_sample`.
         inputs
             Joint distribution of the d inputs.
         options
@@ -201,7 +204,10 @@ class Problem:
         function("g", g, "give a function of X (n, d)")
         options.setdefault("name", getattr(g, "__name__", "limit state"))
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
-        return cls(_Negated(g), inputs=inputs, units=1, **options)
+        # a model of one sample knows how to change its sign and stay one
+        negated = getattr(g, "negated", None)
+        model = negated() if callable(negated) else _Negated(g)
+        return cls(model, inputs=inputs, units=1, **options)
 
     def with_moments(
         self,
@@ -258,8 +264,8 @@ class _Negated:
 
     g: Callable[[FloatArray], Any]
 
-    def __call__(self, x: FloatArray) -> Any:
-        return -np.asarray(self.g(x), dtype=np.float64)
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return -numbers_in(self.g(x))
 
 
 def _names_of_shared(shared: Any) -> Sequence[str]:

@@ -14,6 +14,7 @@ from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.result import NO_ANSWER, STATUSES, ReliabilityResult, reliability_index
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, criteria
+from uqfold.testing.counting import RowCount
 from uqfold.testing.curved import CurvedSystem
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.testing.verdict import Settings, demand
@@ -27,11 +28,16 @@ class CountingModel:
 
     def __init__(self, system: LinearNormalSystem) -> None:
         self.system = system
-        self.rows = 0
+        self._count = RowCount()
+
+    @property
+    def rows(self) -> int:
+        """Rows so far, without those that only show how the model is called."""
+        return self._count.rows
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Give the responses (n,) of X (n, d)."""
-        self.rows += x.shape[0]
+        self._count.add(x)
         y = self.system.response(x)
         x[:] = 1e9
         return y
@@ -119,7 +125,7 @@ def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
 
 
 def check_evaluations_are_counted_per_sample(method: ReliabilityMethod, _: Settings) -> None:
-    """`n_evals` equals the rows that the model has seen."""
+    """`n_evals` equals the rows that the model has seen, see `RowCount`."""
     problem, model = counted(LinearNormalSystem())
     result = method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=2)
     demand(model.rows > 0, "the model was never run")

@@ -15,6 +15,7 @@ from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.problems import folding_wing, folding_wing_random_lengths, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
+from uqfold.testing.counting import RowCount
 from uqfold.typing import FloatArray
 
 STATED: dict[str, tuple[Callable[[], Problem], int]] = {
@@ -31,11 +32,11 @@ class CountingModel:
 
     def __init__(self, problem: Problem, *, real: bool) -> None:
         self.problem, self.real = problem, real
-        self.rows = 0
+        self.count = RowCount()
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Give the responses (n,) of X (n, d)."""
-        self.rows += len(x)
+        self.count.add(x)
         if self.real:
             return np.asarray(self.problem.model(x))
         # as large and as scattered as the response needs to be; counts do not depend on it
@@ -53,7 +54,7 @@ class CountingModel:
             units=self.problem.units,
         )
         method.estimate(counted, criterion)
-        return self.rows
+        return self.count.rows
 
 
 def measure(work: Work) -> Measurement:

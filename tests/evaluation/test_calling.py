@@ -1,0 +1,396 @@
+"""How a model is called is found out before its responses count."""
+
+import math
+import os
+import signal
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import openturns as ot
+import pytest
+
+import uqfold
+from tests.evaluation import models
+from uqfold.evaluation import EvaluationSession, Evaluator, ModelError, Processes, Store, per_sample
+from uqfold.evaluation.calling import COMPARED, REPEATS
+from uqfold.inputs import normal
+from uqfold.methods import ConditionalMonteCarlo, FFNIPearson, Kriging, MonteCarlo
+from uqfold.problems import Problem
+from uqfold.testing.counting import RowCount
+
+PF = 0.016947426762344637  # Phi(-3 / sqrt 2)
+
+
+def of_one_sample(x: np.ndarray) -> float:
+    a, b = x
+    return a - b
+
+
+def by_index(x: np.ndarray) -> float:
+    return x[0] - x[1]
+
+
+def limit_state(g: Callable[[np.ndarray], Any]) -> Problem:
+    return Problem.from_limit_state(g, {"a": normal(5.0, 1.0), "b": normal(2.0, 1.0)})
+
+
+def opened(model: Any, dimension: int = 2, **settings: Any) -> EvaluationSession:
+    return Evaluator(**settings).session(model, dimension, None)
+
+
+def rows(n: int, d: int = 2) -> np.ndarray:
+    return np.random.default_rng(n).standard_normal((n, d)) + 3.0
+
+
+# A model of one sample, not wrapped
+
+
+@pytest.mark.parametrize("g", [of_one_sample, by_index])
+@pytest.mark.parametrize(
+    "method",
+    [ConditionalMonteCarlo(), MonteCarlo(systems=2000), FFNIPearson(), Kriging()],
+    ids=lambda method: method.name,
+)
+def test_a_model_of_one_sample_not_wrapped_is_refused_by_name(method: Any, g: Any) -> None:
+    row = method.estimate(limit_state(g), rng=1, max_evals=20_000)[0]
+    assert (row.status, math.isnan(row.pf)) == ("failed", True)
+    assert "takes one sample x (2,)" in row.message
+    assert "per_sample" in row.message
+
+
+@pytest.mark.parametrize("g", [of_one_sample, by_index])
+def test_wrapped_it_has_the_right_answer(g: Any) -> None:
+    row = MonteCarlo(systems=20_000).estimate(limit_state(per_sample(g)), rng=1)[0]
+    assert row.status == "converged"
+    assert abs(row.pf - PF) < 4.0 * row.std_error
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 64, 128])
+@pytest.mark.parametrize("d", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "g",
+    [
+        lambda x: x[0] - x[-1],
+        lambda x: float(x[0]) - float(x[-1]),
+        sum,
+        lambda x: sum(value for value in x) / len(x),
+        np.sum,
+        lambda x: np.sum(x) / len(x),
+        lambda x: np.sum(x**2, axis=0),
+        lambda x: x.mean(),
+        lambda x: [x[0]] * 1,
+        lambda x: x.max(),
+        lambda x: max(*x, 0.0),
+        lambda x: np.array([x[0]]).ravel(),
+    ],
+)
+def test_a_function_of_one_sample_gives_its_own_numbers_or_none(g: Any, d: int, n: int) -> None:
+    x = rows(n, d)
+    expected = [float(np.ravel(g(row))[0]) for row in x]
+    session = opened(g, d)
+    try:
+        y = session.evaluate(x)
+    except ModelError as error:
+        assert "per_sample" in str(error)  # noqa: PT017 - either is right
+        return
+    good = ~np.isnan(y)
+    np.testing.assert_allclose(y[good], np.array(expected)[good])
+
+
+def test_nothing_is_halved_until_a_shape_fits_by_chance() -> None:
+    sizes: list[int] = []
+
+    def model(x: np.ndarray) -> np.ndarray:
+        sizes.append(len(x))
+        return x[0] - x[1]
+
+    with pytest.raises(ModelError, match=r"one sample x \(2,\), not rows X \(n, 2\)"):
+        opened(model).evaluate(rows(64))
+    # 64 rows, and one sample (2,)
+    assert sizes == [64, 2]
+
+
+# Rows that depend on each other
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        lambda x: x[:, 0] - x[:, 0].mean(),
+        lambda x: (x[:, 0] - x[:, 0].mean()) / x[:, 0].std(),
+        lambda x: x[:, 0] / np.linalg.norm(x[:, 0]),
+        lambda x: np.cumsum(x[:, 0]),
+        lambda x: np.sort(x[:, 0]),
+        lambda x: x[::-1, 0],
+        lambda x: np.roll(x[:, 0], 1),
+        lambda x: np.full(len(x), x.sum()),
+        lambda x: 1000.0 + x[:, 0] - x[:, 0].mean(),
+        lambda x: x[:, 0] + np.random.default_rng(0).standard_normal(len(x)),
+        lambda x: x[:, 0] + np.arange(len(x)),
+    ],
+)
+@pytest.mark.parametrize("n", [3, 50, 5000])
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_model_that_mixes_rows_is_refused(model: Any, n: int) -> None:
+    with pytest.raises(ModelError, match="alone"):
+        opened(model).evaluate(rows(n))
+    # one by one they have a meaning
+    assert opened(lambda x: x[:, 0] - x[:, 0].mean(), batch_rows=1).evaluate(rows(3)).size == 3
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        lambda x: np.float32(1.0) * x.astype(np.float32) @ np.array([1.0, 2.0], np.float32),
+        lambda x: 1e9 + x @ np.array([1.0, 2.0]),
+        lambda x: np.squeeze(x[:, :1]),
+        lambda x: x[:, :1],
+        lambda x: list(x[:, 0]),
+        lambda x: np.where(x[:, 0] > 3.0, np.inf, x[:, 0]),
+        lambda x: np.where(x[:, 0] > 3.0, np.nan, x[:, 0]),
+        lambda x: np.full(len(x), 5.0),
+        lambda x: np.full(len(x), 1e308) * np.sign(x[:, 0] - 3.0),
+        lambda x: x[:, 0] * (1.0 + 1e-9 * len(x)),  # as a solver's tolerance may have it
+    ],
+)
+def test_rows_that_agree_up_to_rounding_pass(model: Any) -> None:
+    x = rows(40)
+    y = opened(model).evaluate(x)
+    np.testing.assert_array_equal(y, np.reshape(model(x), 40))
+
+
+def test_a_noisy_model_stays_possible() -> None:
+    rng = np.random.default_rng(3)
+    count = RowCount()
+
+    def noisy(x: np.ndarray) -> np.ndarray:
+        count.add(x)
+        return x[:, 0] + 0.1 * rng.standard_normal(len(x))
+
+    for n in range(2, 60):
+        session = opened(noisy)
+        assert np.abs(session.evaluate(rows(n)) - rows(n)[:, 0]).max() < 1.0
+        assert session.n_evals == n
+    # what it costs beyond its evaluations
+    assert count.rows <= sum(range(2, 60)) + 58 * COMPARED * (1 + REPEATS)
+
+
+# What finding out costs
+
+
+def test_a_few_rows_are_run_again_alone_and_count_nowhere() -> None:
+    seen: list[int] = []
+
+    def model(x: np.ndarray) -> np.ndarray:
+        seen.append(len(x))
+        return x[:, 0]
+
+    session = Evaluator(batch_rows=8).session(model, 2, 10)
+    session.evaluate(rows(10))
+    assert seen == [8, 1, 1, 2]
+    assert (session.n_evals, session.remaining) == (10, 0)
+
+
+def test_models_of_one_sample_and_single_rows_cost_nothing_more() -> None:
+    seen: list[tuple[int, ...]] = []
+
+    def sample(x: np.ndarray) -> float:
+        seen.append(x.shape)
+        return float(x[0])
+
+    opened(per_sample(sample)).evaluate(rows(10))
+    assert seen == [(2,)] * 10
+    seen.clear()
+
+    def model(x: np.ndarray) -> np.ndarray:
+        seen.append(x.shape)
+        return x[:, 0]
+
+    opened(model, batch_rows=1).evaluate(rows(10))
+    assert seen == [(1, 2)] * 10
+
+
+def test_a_model_of_which_rows_fail_is_still_found_out() -> None:
+    def model(x: np.ndarray) -> np.ndarray:
+        if (x[:, 0] > 3.0).any():
+            raise ArithmeticError("too far")
+        return x[:, 1]
+
+    x = rows(40)
+    y = opened(model).evaluate(x)
+    np.testing.assert_array_equal(y, np.where(x[:, 0] > 3.0, np.nan, x[:, 1]))
+
+    def mixing(x: np.ndarray) -> np.ndarray:
+        return model(x) - x[:, 1].mean()
+
+    with pytest.raises(ModelError):
+        opened(mixing).evaluate(x)
+
+
+@pytest.fixture(scope="module")
+def pool() -> Any:
+    with Processes(2) as processes:
+        yield processes
+
+
+def test_executors_find_out_too(pool: Processes) -> None:
+    with ThreadPoolExecutor(2) as threads:
+        for executor in (pool, threads):
+            for settings in ({}, {"batch_rows": 2}):
+                with pytest.raises(ModelError, match="per_sample"):
+                    opened(by_index, executor=executor, **settings).evaluate(rows(40))
+                with pytest.raises(ModelError, match="beside it"):
+                    opened(mixing_rows, executor=executor, **settings).evaluate(rows(40))
+    with pytest.raises(ModelError, match="per_sample"):
+        opened(of_one_sample, executor=pool, seconds_per_run=60.0).evaluate(rows(40))
+
+
+def mixing_rows(x: np.ndarray) -> np.ndarray:
+    return x[:, 0] - x[:, 0].mean()
+
+
+def test_nothing_of_a_refused_model_is_stored(tmp_path: Path) -> None:
+    path = tmp_path / "runs.db"
+    problem = models.problem(mixing_rows)
+    for executor in (None, ThreadPoolExecutor(2)):
+        evaluator = Evaluator(store=path, batch_rows=5, executor=executor)
+        with pytest.raises(ModelError):
+            evaluator.open(problem, None).evaluate(rows(60))
+        with Store(path) as store:
+            assert len(store) == 0
+
+
+# What is no number, and what is masked
+
+
+@pytest.mark.parametrize(
+    ("returned", "named"),
+    [
+        (lambda x: x[:, 0] > 0.0, "dtype bool"),
+        (lambda x: [True] * len(x), "a bool"),
+        (lambda x: x[:, 0].astype("M8[s]"), r"dtype datetime64\[s\]"),
+        (lambda x: x[:, 0].astype("m8[s]"), r"dtype timedelta64\[s\]"),
+        (lambda x: np.zeros(len(x), [("y", float)]), r"dtype \[\('y'"),
+        (lambda x: ["1_5"] * len(x), "dtype <U3"),
+        (lambda x: [b"1"] * len(x), r"dtype \|S1"),
+        (lambda x: (value for value in x[:, 0]), "generator"),
+        (lambda x: {"y": x}, "dict"),
+        (lambda x: [[1.0], [1.0, 2.0]], "no array"),
+        (lambda x: None, "return statement"),
+        (lambda x: np.array([print] * len(x)), "builtin_function"),
+    ],
+)
+def test_what_is_no_number_is_refused(returned: Any, named: str) -> None:
+    with pytest.raises(ModelError, match=named):
+        opened(returned).evaluate(rows(5))
+    row = MonteCarlo(systems=200).estimate(limit_state(returned), rng=1)[0]
+    assert (row.status, math.isnan(row.pf)) == ("failed", True)
+
+
+def masked(x: np.ndarray) -> np.ma.MaskedArray:
+    return np.ma.array(np.where(x[:, 0] > 3.0, -1e20, x[:, 1]), mask=x[:, 0] > 3.0)
+
+
+@pytest.mark.parametrize("model", [masked, lambda x: list(masked(x))], ids=["array", "list"])
+def test_a_masked_entry_is_a_failed_run(model: Any) -> None:
+    x = rows(50)
+    session = opened(model)
+    y = session.evaluate(x)
+    np.testing.assert_array_equal(y, np.where(x[:, 0] > 3.0, np.nan, x[:, 1]))
+    assert session.n_failed == np.count_nonzero(x[:, 0] > 3.0)
+    result = MonteCarlo(systems=500).estimate(limit_state(model), rng=1)
+    assert result.n_failed > 0
+    # each failed run is open
+    assert result[0].pf_high - result[0].pf_low == pytest.approx(result.n_failed / 500)
+    assert result[0].status == "doubtful"
+
+
+@pytest.mark.parametrize("shape", [(-1,), (-1, 1)])
+@pytest.mark.parametrize("kind", [int, np.float32, np.float16, ">f8", object, "longdouble"])
+def test_real_numbers_of_any_kind_are_taken(kind: Any, shape: tuple[int, ...]) -> None:
+    x = np.arange(12.0).reshape(6, 2)
+    y = opened(lambda x: x[:, 0].astype(kind).reshape(shape)).evaluate(x)
+    assert y.dtype == np.float64
+    np.testing.assert_array_equal(y, x[:, 0])
+
+
+# (n, 1), as OpenTURNS has it
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        ot.SymbolicFunction(["a", "b"], ["a - b"]),
+        ot.PythonFunction(2, 1, lambda x: [x[0] - x[1]]),
+        ot.PythonFunction(2, 1, func_sample=lambda x: np.asarray(x) @ [[1.0], [-1.0]]),
+        ot.MemoizeFunction(ot.SymbolicFunction(["a", "b"], ["a - b"])),
+        lambda x: ot.Sample((x[:, 0] - x[:, 1]).reshape(-1, 1)),
+        lambda x: (x[:, 0] - x[:, 1]).reshape(-1, 1),
+    ],
+)
+def test_a_column_of_responses_is_taken_as_openturns_gives_it(model: Any) -> None:
+    x = rows(30)
+    np.testing.assert_allclose(opened(model).evaluate(x), x[:, 0] - x[:, 1])
+    row = MonteCarlo(systems=20_000).estimate(limit_state(model), rng=1)[0]
+    assert abs(row.pf - PF) < 4.0 * row.std_error
+    two = ot.SymbolicFunction(["a", "b"], ["a - b", "a + b"])
+    with pytest.raises(ModelError, match=r"shape \(30, 2\)"):
+        opened(two).evaluate(x)
+
+
+# sys.exit() in a model
+
+
+def leaving(x: np.ndarray) -> np.ndarray:
+    if (x[:, 1] > models.FATAL).any():
+        raise SystemExit(0)
+    return models.quadratic(x)
+
+
+def leaving_sample(x: np.ndarray) -> float:
+    return float(leaving(x[None, :])[0])
+
+
+class Aborted(BaseException):
+    pass
+
+
+def aborting(x: np.ndarray) -> np.ndarray:
+    if (x[:, 1] > models.FATAL).any():
+        raise Aborted("no mesh")
+    return models.quadratic(x)
+
+
+@pytest.mark.parametrize("model", [leaving, per_sample(leaving_sample), aborting])
+@pytest.mark.parametrize("where", ["here", "threads", "processes"])
+def test_sys_exit_in_a_model_is_a_failed_run(model: Any, where: str, pool: Processes) -> None:
+    x, bad = models.with_one_bad_row(40)
+    with ThreadPoolExecutor(2) as threads:
+        executor = {"here": None, "threads": threads, "processes": pool}[where]
+        session = opened(model, executor=executor)
+        y = session.evaluate(x)
+    assert np.flatnonzero(np.isnan(y)).tolist() == [bad]
+    assert ("Aborted: no mesh" if model is aborting else "SystemExit: 0") in session.first_failure
+    row = MonteCarlo(systems=200).estimate(models.problem(model), uqfold.criteria(1.0), rng=1)[0]
+    assert row.pf_high > row.pf_low
+
+
+def leave(number: int, frame: object) -> None:
+    raise SystemExit(3)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="needs signals")
+def test_a_handler_of_a_signal_ends_the_program_while_the_model_runs() -> None:
+    def model(x: np.ndarray) -> np.ndarray:
+        os.kill(os.getpid(), signal.SIGUSR1)
+        return x[:, 0]
+
+    before = signal.signal(signal.SIGUSR1, leave)
+    try:
+        with pytest.raises(SystemExit):
+            opened(model).evaluate(rows(5))
+    finally:
+        signal.signal(signal.SIGUSR1, before)

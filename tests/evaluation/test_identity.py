@@ -1,0 +1,237 @@
+"""A store never answers for another model: what identifies one in it."""
+
+import datetime
+import enum
+import functools
+import itertools
+import math
+import operator
+import types
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
+from zoneinfo import ZoneInfo
+
+import numpy as np
+import openturns as ot
+import pytest
+
+import uqfold
+from tests.evaluation import models
+from uqfold.evaluation import Evaluator, Store, per_sample
+from uqfold.evaluation.description import UndescribedError, described
+from uqfold.evaluation.identity import model_identity
+from uqfold.methods import MonteCarlo
+from uqfold.typing import FloatArray
+
+
+class Material(enum.Enum):
+    STEEL = 1
+    BRASS = 2
+
+
+class Level(enum.IntEnum):
+    STEEL = 1
+
+
+class Pair(NamedTuple):
+    a: Any
+    b: Any
+
+
+@dataclass(frozen=True)
+class Scaled:
+    p: Any
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return float(self.p) * x[:, 0]
+
+
+@dataclass(frozen=True)
+class Other:
+    p: Any
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return x[:, 0]
+
+
+def two(x: FloatArray, factor: float = 2.0) -> FloatArray:
+    return factor * x[:, 0]
+
+
+def closed_over(p: Any) -> Any:
+    def model(x: FloatArray) -> FloatArray:
+        return float(p) * x[:, 0]
+
+    return model
+
+
+def with_default(p: Any) -> Any:
+    def model(x: FloatArray, factor: Any = p) -> FloatArray:
+        return float(factor) * x[:, 0]
+
+    return model
+
+
+def local_class(p: Any) -> Any:
+    @dataclass(frozen=True)
+    class Local:
+        def __call__(self, x: FloatArray) -> FloatArray:
+            return float(p) * x[:, 0]
+
+    return Local()
+
+
+def record(a: float, b: int) -> np.ndarray:
+    return np.array([(a, b)], dtype=np.dtype([("a", float), ("b", "i1")], align=True))
+
+
+VALUES = [
+    *(None, ..., True, False, 0, 1, -1, 10**400, 0.0, -0.0, 1.0, math.nan, math.inf, "1", "1.0"),
+    *(
+        b"1",
+        bytearray(b"1"),
+        1 + 0j,
+        complex(1, -0.0),
+        Decimal(1),
+        Decimal("1.0"),
+        Fraction(1),
+        "None",
+    ),
+    *(Material.STEEL, Material.BRASS, Level.STEEL, PurePosixPath("1"), PurePosixPath("a/b"), "a/b"),
+    *(kind(1) for kind in (np.int8, np.int64, np.uint8, np.float32, np.float64, np.bool_, np.str_)),
+    *(np.int64(3), np.float64(3.0), np.longdouble, np.datetime64(1, "s"), np.datetime64(1, "ms")),
+    *(np.array(1), np.array([1]), np.array([[1]]), np.array([1.0]), np.array([1], dtype=">i8")),
+    *(
+        np.array([1], dtype=object),
+        np.array([1.0], dtype=object),
+        np.array(["1"]),
+        np.array([b"1"]),
+    ),
+    *(np.ma.array([1.0, 2.0], mask=m) for m in ([0, 0], [0, 1], [1, 0])),
+    *(record(1.0, 1), record(1.0, 2), record(2.0, 1)),
+    *([], (), {}, set(), frozenset(), [1], (1,), {1}, frozenset({1}), [[1]], [[1], []], [[], [1]]),
+    *({1: 2}, {"1": 2}, {1.0: 2}, {(1, 2): 3}, {1: {2: 3}}, {1: 2, 3: 4}, [1, 2], [[1, 2]]),
+    *(Pair(1, 2), (1, 2), range(1), range(1, 2), slice(1), slice(1, 2)),
+    *(Scaled(1), Scaled(1.0), Other(1), [Scaled(1)], {"a": Scaled(2)}, Scaled(Scaled(1))),
+    *(datetime.date(2026, 1, 1), datetime.datetime(2026, 1, 1), datetime.timedelta(1)),
+    *(datetime.datetime(2026, 1, 1, tzinfo=zone) for zone in (datetime.UTC, ZoneInfo("UTC"))),
+    *(datetime.time(1, 2), datetime.datetime(2026, 1, 1, fold=1), "2026-01-01"),
+    *(np.sin, np.cos, math.sin, math.cos, int, float, Scaled, math, operator, len, [].append),
+    *(two, models.quadratic, functools.partial(two, factor=1.0), functools.partial(two, factor=1)),
+    *(Scaled(1).__call__, Scaled(2).__call__, Other(1).__call__, per_sample(two)),
+    *(lambda x: x[:, 0], lambda x: x[:, 1], lambda x: 2 * x[:, 0], lambda x: 3 * x[:, 0]),
+    *(make(p) for make in (closed_over, with_default, local_class) for p in (1, 1.0, np.int64(1))),
+]
+
+
+def test_values_that_differ_have_descriptions_that_differ() -> None:
+    told = [repr(described(value)) for value in VALUES]
+    for (a, first), (b, second) in itertools.combinations(zip(VALUES, told, strict=True), 2):
+        assert first != second, (a, b)
+
+
+def test_the_same_value_has_the_same_description() -> None:
+    a, b = {"x": 1, "y": [Scaled(np.int64(3))]}, {"x": 1, "y": [Scaled(np.int64(3))]}
+    assert described(a) == described(b)
+    assert described({"b", "a", "c"}) == described({"c", "a", "b"})
+    for make in (closed_over, with_default, local_class):
+        assert described(make(2.5)) == described(make(2.5))
+    # what lies between the fields of a record means nothing
+    one, other = record(1.0, 1), record(1.0, 1)
+    other.view(np.uint8)[-1] = 77
+    assert described(one) == described(other)
+
+
+class Opaque:
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return x[:, 0]
+
+
+@dataclass
+class Thawed:
+    p: float = 1.0
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return self.p * x[:, 0]
+
+
+@dataclass(frozen=True)
+class Apart:
+    p: float
+    log: Any = field(default=None, compare=False)
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return self.p * x[:, 0]
+
+
+def holding_itself() -> list[Any]:
+    loop: list[Any] = []
+    loop.append(loop)
+    return loop
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Opaque(),
+        Thawed(),
+        Scaled(Opaque()),
+        Scaled({"a": [object()]}),
+        Scaled(holding_itself()),
+        Scaled(np.array([object()])),
+        Scaled(np.longdouble(1)),
+        closed_over(Opaque()),
+        functools.partial(two, factor=Thawed()),
+        Opaque().__call__,
+        ot.SymbolicFunction(["a", "b"], ["a"]),
+        types.MethodType(two, Opaque()),
+        functools.partial(two, factor=np.random.default_rng(1)),
+    ],
+)
+def test_of_what_cannot_be_told_nothing_is_stored_and_a_warning_says_why(
+    model: Any, tmp_path: Path
+) -> None:
+    with pytest.raises(UndescribedError, match="model"):
+        model_identity(models.problem(model))
+    with pytest.warns(UserWarning, match=r"nothing is stored: .*frozen dataclass") as caught:
+        session = Evaluator(store=tmp_path / "runs.db").open(models.problem(model), None)
+    assert "model" in str(caught[0].message)
+    session.evaluate(models.rows(1))
+    with Store(tmp_path / "runs.db") as store:
+        assert len(store) == 0
+
+
+def test_what_has_no_influence_on_a_response_is_left_out() -> None:
+    one, other = (models.problem(Apart(2.0, log)) for log in (None, Opaque()))
+    assert model_identity(one) == model_identity(other)
+    assert model_identity(one) != model_identity(models.problem(Apart(3.0)))
+
+
+PARAMETERS = [np.int64(1), np.int64(3), 2, 2.0, Decimal(5), Fraction(7), np.array(4.0), True]
+
+
+@pytest.mark.parametrize("make", [Scaled, closed_over, with_default, local_class])
+def test_the_store_does_not_answer_for_another_model(make: Any, tmp_path: Path) -> None:
+    asked, x = uqfold.criteria(1.0), models.rows(50)
+    for p in PARAMETERS:
+        problem = models.problem(make(p))
+        session = Evaluator(store=tmp_path / "runs.db").open(problem, None)
+        np.testing.assert_array_equal(session.evaluate(x), float(p) * x[:, 0])
+        assert session.n_reused == 0
+    for p in (1, 3):
+        problem = models.problem(make(np.int64(p)))
+        stored = Evaluator(store=tmp_path / "other.db")
+        answers = [MonteCarlo(systems=500).estimate(problem, asked, rng=1)]
+        answers += [MonteCarlo(systems=500).estimate(problem, asked, rng=1, evaluator=stored)] * 2
+        assert len({one[0].pf for one in answers}) == 1
+
+
+def test_lambdas_are_told_by_their_code(tmp_path: Path) -> None:
+    x = models.rows(20)
+    for column, model in enumerate((lambda x: x[:, 0], lambda x: x[:, 1])):
+        session = Evaluator(store=tmp_path / "runs.db").open(models.problem(model), None)
+        np.testing.assert_array_equal(session.evaluate(x), x[:, column])
+        assert session.n_reused == 0

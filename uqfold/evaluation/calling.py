@@ -1,0 +1,245 @@
+"""How a model is called: with rows X (n, d), each of which has a response of its own.
+
+Nothing in a function says whether it takes rows, or one sample (d,); and what it returns may have
+the right shape by chance, as that of a function of one sample has where n = d. So the first rows
+that a model is run on tell: some of them are run again alone. What a row means must be the same
+alone and among others, or the model is refused.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from uqfold.problems.responses import ResponseError, numbers_in
+from uqfold.typing import FloatArray, Model
+
+COMPARED = 2
+"""So many rows are run again alone, when a model has more than one row for the first time."""
+TRIED = 5
+"""So many rows are tried, where some of them fail alone."""
+REPEATS = 4
+"""So often a row is run again alone, where it differs: a model may be noisy."""
+SHARE_OF_SPREAD, SHARE_OF_SIZE = 1e-4, 1e-6
+"""Difference between a row alone and among others that is rounding, or the tolerance of a solver:
+so much of the responses' interquartile range, and of their size."""
+NOISE_RANGES = 10.0
+"""A noisy row lies within so many ranges of its repeats."""
+
+_WRAP = "If it takes one sample x (d,), wrap it: uqfold.evaluation.per_sample(model)"
+
+
+class UnusableError(Exception):
+    """The model cannot be called with rows X (n, d), or gives something else than their responses.
+
+    It never leaves this room: a session turns it into a `ModelError`.
+    """
+
+
+class RaisedError(Exception):
+    """What the model raised: a failed run."""
+
+
+@dataclass(eq=False)
+class Calls:
+    """Calls of one model with rows.
+
+    Attributes
+    ----------
+    model
+        The model.
+    in_doubt
+        Whether it is still to be found out that the model takes rows.
+    reasons
+        Why runs have failed.
+    """
+
+    model: Model
+    in_doubt: bool
+    reasons: list[str]
+    _samples_tried: int = 0
+
+    def responses(self, x: FloatArray) -> FloatArray:
+        """Return the responses (n,) of the rows X (n, d).
+
+        Raises
+        ------
+        RaisedError
+            If the model raises.
+        UnusableError
+            If what it returns are no responses of these rows.
+        """
+        y = self._one_per_row(self._called(x), x)
+        if self.in_doubt and x.shape[0] > 1:
+            self._compare(x, y)
+        return y
+
+    def look_at_sample(self, x: FloatArray) -> None:
+        """Refuse the model if it takes the sample x (d,), of which it does not take the row."""
+        if not self.in_doubt or self._samples_tried == TRIED:
+            return
+        self._samples_tried += 1
+        try:
+            y = numbers_in(self._called(x))
+        except (RaisedError, ResponseError):
+            return
+        if y.size == 1 and not np.isnan(y).any():
+            raise UnusableError(
+                f"the model takes one sample x ({x.size},), not rows X (n, {x.size}): wrap it, "
+                "uqfold.evaluation.per_sample(model)"
+            )
+
+    def _called(self, x: FloatArray) -> Any:
+        try:
+            # the model gets its own copy: what it does to its argument must not reach the method
+            return self.model(x.copy())
+        except ResponseError as error:
+            raise UnusableError(f"the model gives no responses: {error}") from error
+        except BaseException as error:
+            if not is_failed_run(error):
+                raise
+            raise RaisedError(f"{type(error).__name__}: {error}") from error
+
+    def _one_per_row(self, returned: Any, x: FloatArray) -> FloatArray:
+        if returned is None:
+            raise UnusableError("the model returned None: it lacks a return statement")
+        try:
+            y = numbers_in(returned)
+        except ResponseError as error:
+            raise UnusableError(f"the model gives no responses: {error}") from error
+        n = x.shape[0]
+        if y.shape in {(n,), (n, 1)}:
+            self._note_failures(returned, y, x)
+            return y.reshape(n)
+        if y.shape == () and n == 1:
+            # so do models that take rows and drop axes of length one, and those of one sample
+            if self.in_doubt:
+                twice = np.repeat(x, 3 if x.shape[1] == 2 else 2, axis=0)
+                several = self._one_per_row(self._called(twice), twice)
+                self.in_doubt = not all(_same(one, float(y), several) for one in several)
+            return y.reshape(1)
+        self.look_at_sample(x[0])
+        raise UnusableError(
+            f"the model returned shape {y.shape} for {n} rows X {x.shape}, expected ({n},). {_WRAP}"
+        )
+
+    def _note_failures(self, returned: Any, y: FloatArray, x: FloatArray) -> None:
+        failed = np.isnan(y.reshape(-1))
+        kind = ""
+        if isinstance(returned, np.ma.MaskedArray):
+            kind = "a masked entry"
+        elif isinstance(returned, np.ndarray) and np.iscomplexobj(returned):
+            kind = "a complex number"
+        if kind and failed.any():
+            self.reasons.append(
+                f"the model returned {kind} at x = {shown(x[int(np.argmax(failed))])}"
+            )
+
+    def _compare(self, x: FloatArray, y: FloatArray) -> None:
+        """Run some rows again alone."""
+        compared, failure = 0, ""
+        for i in _telling(y):
+            row = x[i : i + 1]
+            try:
+                alone = float(self._alone(row))
+            except RaisedError as error:
+                failure = f"raises {error}"
+                continue
+            if np.isnan(alone):
+                failure = "is NaN"
+                continue
+            if not _same(y[i], alone, y) and not self._is_noise(row, y[i], alone):
+                self.look_at_sample(x[i])
+                raise UnusableError(
+                    f"the response to a row depends on the rows beside it: {alone:.6g} alone, "
+                    f"{y[i]:.6g} among {x.shape[0]}. Make each row's response its own, or run "
+                    f"rows one by one: Evaluator(batch_rows=1). {_WRAP}"
+                )
+            compared += 1
+            if compared == COMPARED:
+                break
+        if compared:
+            self.in_doubt = False
+        elif failure:
+            self.look_at_sample(x[int(np.flatnonzero(~np.isnan(y))[-1])])
+            raise UnusableError(
+                f"a row that has a response among {x.shape[0]} {failure} alone: make each row's "
+                f"response its own. {_WRAP}"
+            )
+
+    def _alone(self, row: FloatArray) -> float:
+        y = numbers_in(self._called(row))
+        if y.size == 1:
+            return float(y.item())
+        self.look_at_sample(row[0])
+        raise UnusableError(
+            f"the model returned shape {y.shape} for one row X {row.shape}, expected (1,). {_WRAP}"
+        )
+
+    def _is_noise(self, row: FloatArray, among: float, alone: float) -> bool:
+        """Whether the same row gives other responses when it is run again."""
+        repeats = [alone]
+        for _ in range(REPEATS):
+            try:
+                repeats.append(self._alone(row))
+            except RaisedError:
+                continue
+        values = np.array(repeats)
+        if not np.isfinite([*values, among]).all():
+            return len(set(repeats)) > 1
+        return bool(abs(among - values.mean()) <= NOISE_RANGES * np.ptp(values))
+
+
+def is_failed_run(error: BaseException) -> bool:
+    """Whether what a model raises is a failed run: all but Ctrl-C and what a signal means.
+
+    ``sys.exit()`` in a model is a failed run; raised by a handler of a signal, which may come
+    while the model is running, it ends the program.
+    """
+    if isinstance(error, Exception):
+        return True
+    if isinstance(error, KeyboardInterrupt | GeneratorExit):
+        return False
+    handlers = {_code(signal.getsignal(one)) for one in signal.valid_signals()} - {None}
+    trace = error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code in handlers:
+            return False
+        trace = trace.tb_next
+    return True
+
+
+def shown(x: FloatArray) -> str:
+    """Return one sample as text for messages."""
+    return "[" + ", ".join(f"{value:.6g}" for value in x) + "]"
+
+
+def _code(handler: Callable[..., Any] | int | None) -> Any:
+    return getattr(getattr(handler, "__func__", handler), "__code__", None)
+
+
+def _telling(y: FloatArray) -> Iterator[int]:
+    """Rows that tell most: the last, which what adds up or sorts changes, and a middling one."""
+    known = np.flatnonzero(~np.isnan(y))
+    if known.size == 0:
+        return
+    order = known[np.argsort(y[known], kind="stable")]
+    places = [known[-1], order[order.size // 2], known[0], order[0], order[-1], *known[:TRIED]]
+    yield from [int(i) for i in dict.fromkeys(places)][:TRIED]
+
+
+def _same(among: float, alone: float, y: FloatArray) -> bool:
+    if among == alone:
+        return True
+    if not np.isfinite([among, alone]).all():
+        return False
+    finite = y[np.isfinite(y)]
+    # halved, so that the difference of two large numbers does not overflow
+    low, middle, high = np.quantile(0.5 * finite, [0.25, 0.5, 0.75])
+    size = max(abs(among), abs(alone), 2.0 * abs(middle))
+    allowed = SHARE_OF_SPREAD * (high - low) + 0.5 * SHARE_OF_SIZE * size
+    return bool(abs(0.5 * among - 0.5 * alone) <= allowed)
