@@ -7,28 +7,28 @@ over the individual nodes give the first four moments of the conditional respons
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from uqfold.checks import several, whole
-from uqfold.evaluation import BudgetExceededError, TimeLimitError
+from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
-from uqfold.methods.base import Task, attempt
-from uqfold.methods.result import Estimate
+from uqfold.methods.base import Task
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import Moments, moments_from_rule
 from uqfold.moments.quadrature import tensor_grid
-from uqfold.problems.criterion import Criterion
-from uqfold.system.conditional import ConditionalResponse, SystemProbability, system_failures
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray
 
 Nodes: TypeAlias = int | tuple[int, ...]
-MAX_DESIGN = 50_000_000
+MAX_NUMBERS = 100_000_000
+"""Coordinates of all nodes of a design together: 0.8 GB, as many again while they are laid out."""
 
 
 @dataclass(frozen=True)
@@ -115,14 +115,21 @@ def checked_nodes(name: str, nodes: Any) -> Nodes:
 
 def design_size(inputs: JointInputs, shared: Nodes, individual: Nodes) -> int:
     """Count the nodes of the design, that is its model runs."""
-    counts = [
+    return math.prod(counts_per_input(inputs, shared, individual))
+
+
+def counts_per_input(inputs: JointInputs, shared: Nodes, individual: Nodes) -> list[int]:
+    """Return the number of nodes of every input, shared inputs first.
+
+    Raises
+    ------
+    ValueError
+        If the settings do not fit the inputs.
+    """
+    return [
         *_per_variable("nodes_shared", shared, inputs.n_shared),
         *_per_variable("nodes_individual", individual, inputs.n_individual),
     ]
-    size = 1
-    for n in counts:
-        size *= n
-    return size
 
 
 def factorial_design(inputs: JointInputs, shared: Nodes, individual: Nodes) -> FactorialDesign:
@@ -137,15 +144,12 @@ def factorial_design(inputs: JointInputs, shared: Nodes, individual: Nodes) -> F
     ValueError
         If the node counts do not fit the inputs, or a marginal has no Gauss rule.
     """
-    counts_shared = _per_variable("nodes_shared", shared, inputs.n_shared)
-    counts_individual = _per_variable("nodes_individual", individual, inputs.n_individual)
+    counts = counts_per_input(inputs, shared, individual)
     if inputs.independent:
-        rules = [
-            inputs.gauss_rule(i, n) for i, n in enumerate([*counts_shared, *counts_individual])
-        ]
+        rules = [inputs.gauss_rule(i, n) for i, n in enumerate(counts)]
     else:
         standard = normal(0.0, 1.0)
-        rules = [gauss_rule(standard, n) for n in [*counts_shared, *counts_individual]]
+        rules = [gauss_rule(standard, n) for n in counts]
     v, shared_weights = tensor_grid(rules[: inputs.n_shared])
     u, individual_weights = tensor_grid(rules[inputs.n_shared :])
     nodes = np.hstack([np.repeat(v, len(u), axis=0), np.tile(u, (len(v), 1))])
@@ -186,9 +190,10 @@ def conditional_responses(
     always = (np.isneginf(table) * w).sum(axis=1)
     missing = (np.isnan(table) * w).sum(axis=1)
     moments = moments_from_rule(table, w, finite)
-    distributions: list[ConditionalDistribution | None] = [
-        fit(*moments.row(k)) if finite[k].any() else None for k in range(len(table))
-    ]
+    distributions: list[ConditionalDistribution | None] = []
+    for k, some in enumerate(finite.any(axis=1)):
+        check_time()
+        distributions.append(fit(*moments.row(k)) if some else None)
     details = FFNIDetails(
         shared_nodes=design.shared_nodes,
         weights=design.shared_weights,
@@ -218,76 +223,14 @@ def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> Factorial
         If it does not; the message names the settings to change. Nothing is spent then.
     """
     size = design_size(task.problem.inputs, shared, individual)
-    if size > min(task.session.remaining, MAX_DESIGN):
-        limit = "at most 50 million nodes" if size > MAX_DESIGN else f"max_evals = {task.max_evals}"
+    most = MAX_NUMBERS // task.problem.inputs.dimension
+    if size > min(task.session.remaining, most):
+        limit = (
+            f"at most {most} fit into memory" if size > most else f"max_evals = {task.max_evals}"
+        )
         raise BudgetExceededError(
             f"the design has {size} nodes, {limit}: lower nodes_shared = {shared} or "
             f"nodes_individual = {individual}, or raise the budget"
         )
     task.expect(size)
     return factorial_design(task.problem.inputs, shared, individual)
-
-
-def doubts_about_responses(details: FFNIDetails) -> list[str]:
-    """Say where no moments tell what the responses do."""
-    if details.infinite > 0.0:
-        return [f"infinite responses at nodes of weight {details.infinite:.2g}"]
-    return []
-
-
-def system_estimates(
-    task: Task,
-    responses: list[ConditionalResponse],
-    details: FFNIDetails,
-    doubts_about: Callable[[Criterion, SystemProbability], list[str]],
-) -> list[Estimate]:
-    """Turn the conditional responses into one estimate per criterion of the task.
-
-    Parameters
-    ----------
-    task
-        Criteria and number of units.
-    responses, details
-        From `conditional_responses`.
-    doubts_about
-        Says why an answer is ``doubtful``; an empty list where it is not.
-    """
-    units = task.problem.n_units
-
-    def answer(criterion: Criterion, found: SystemProbability) -> Estimate:
-        doubts = [*doubts_about(criterion, found), *doubts_about_responses(details)]
-        low, high = bounds(criterion, found)
-        return Estimate(
-            pf=found.pf,
-            reliability=found.reliability,
-            pf_low=low,
-            pf_high=high,
-            error_kind="none",
-            status="doubtful" if doubts else "unchecked",
-            message="; ".join(doubts),
-        )
-
-    def bounds(criterion: Criterion, found: SystemProbability) -> tuple[float, float]:
-        if details.complete.all():
-            return found.pf, found.pf
-        # a failed run may have had any response, and then any distribution belongs to its node
-        unknown = ConditionalResponse(None, p_missing=1.0)
-        known = [
-            response if complete else unknown
-            for response, complete in zip(responses, details.complete, strict=True)
-        ]
-        between = system_failures(known, details.weights, units, [criterion])[0]
-        return min(between.pf_low, found.pf), max(between.pf_high, found.pf)
-
-    def alone(criterion: Criterion) -> Estimate:
-        found = system_failures(responses, details.weights, units, [criterion])[0]
-        return answer(criterion, found)
-
-    try:
-        together = system_failures(responses, details.weights, units, task.criteria)
-    except TimeLimitError:
-        raise
-    except (ArithmeticError, RuntimeError, ValueError):
-        # one criterion cannot be integrated: the others still get their answers, one by one
-        return [attempt(partial(alone, criterion)) for criterion in task.criteria]
-    return [answer(c, found) for c, found in zip(task.criteria, together, strict=True)]

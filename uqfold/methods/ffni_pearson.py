@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
+import numpy as np
+
 from uqfold.checks import choice, keep, or_none, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_design import (
     FFNIDetails,
     Nodes,
     affordable_design,
     checked_nodes,
     conditional_responses,
-    system_estimates,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
 from uqfold.methods.theory import Theory
@@ -87,14 +90,21 @@ class FFNIPearson(ReliabilityMethod):
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
         responses, details = conditional_responses(design, task.evaluate(design.x), self._fit)
+        doubts = []
+        if self.family == "pearson":
+            nodes = self.nodes_shared, self.nodes_individual
+            doubts = doubts_about_nodes(task.problem.inputs, *nodes)
         if self.rows is not None:
-            sampled = sampled_failure(task, responses, details, self.rows)
+            sampled = sampled_failure(task, responses, details, self.rows, doubts)
             return Solution(sampled, details)
 
-        def doubts(criterion: Criterion, found: SystemProbability) -> list[str]:
-            return _doubts(criterion, found, details)
+        def doubts_about(
+            criteria: Sequence[Criterion], found: Sequence[SystemProbability]
+        ) -> list[str]:
+            return _doubts(criteria, found, details)
 
-        return Solution(system_estimates(task, responses, details, doubts), details)
+        estimates = system_estimates(task, responses, details, doubts, doubts_about)
+        return Solution(estimates, details)
 
     def _fit(
         self, mean: float, std: float, skewness: float, kurtosis: float
@@ -104,19 +114,25 @@ class FFNIPearson(ReliabilityMethod):
         return PearsonDistribution.from_moments(mean, std, skewness, kurtosis)
 
 
-def _doubts(criterion: Criterion, found: SystemProbability, details: FFNIDetails) -> list[str]:
+def _doubts(
+    criteria: Sequence[Criterion], found: Sequence[SystemProbability], details: FFNIDetails
+) -> list[str]:
     """Say where the threshold lies beyond the end of a bounded distribution."""
-    if criterion.threshold == math.inf:
-        return []
-    beyond = 0.0
+    thresholds = np.array([criterion.threshold for criterion in criteria])
+    beyond = np.zeros(thresholds.size)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):
         if isinstance(distribution, PearsonDistribution):
-            beyond += float(weight) * (criterion.threshold >= distribution.support[1])
+            beyond += float(weight) * (thresholds >= distribution.support[1])
+    beyond[thresholds == math.inf] = 0.0
+    return [_doubt(*row) for row in zip(criteria, found, beyond.tolist(), strict=True)]
+
+
+def _doubt(criterion: Criterion, found: SystemProbability, beyond: float) -> str:
     if criterion.tau is None and beyond > _BEYOND_END:
-        return [
+        return (
             f"the threshold lies beyond the last value of the fitted distribution at shared nodes "
             f"of weight {beyond:.2g}: their pf of 0 is a property of the family"
-        ]
+        )
     if found.pf == 0.0 and beyond > 0.0:
-        return ["pf = 0 is a property of the fitted distribution, which is bounded"]
-    return []
+        return "pf = 0 is a property of the fitted distribution, which is bounded"
+    return ""

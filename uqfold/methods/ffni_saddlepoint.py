@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,13 +10,13 @@ import numpy as np
 
 from uqfold.checks import keep
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_design import (
     FFNIDetails,
     Nodes,
     affordable_design,
     checked_nodes,
     conditional_responses,
-    system_estimates,
 )
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import SADDLEPOINT
@@ -82,26 +83,37 @@ class FFNISaddlepoint(ReliabilityMethod):
             design, task.evaluate(design.x), SaddlepointDistribution
         )
 
-        def doubts(criterion: Criterion, found: SystemProbability) -> list[str]:
-            return _doubts(task.problem.n_units, criterion, found, details)
+        def doubts_about(
+            criteria: Sequence[Criterion], found: Sequence[SystemProbability]
+        ) -> list[str]:
+            return _doubts(task.problem.n_units, criteria, found, details)
 
-        return Solution(system_estimates(task, responses, details, doubts), details)
+        nodes = self.nodes_shared, self.nodes_individual
+        doubts = doubts_about_nodes(task.problem.inputs, *nodes)
+        estimates = system_estimates(task, responses, details, doubts, doubts_about)
+        return Solution(estimates, details)
 
 
 def _doubts(
-    units: int, criterion: Criterion, found: SystemProbability, details: FFNIDetails
+    units: int,
+    criteria: Sequence[Criterion],
+    found: Sequence[SystemProbability],
+    details: FFNIDetails,
 ) -> list[str]:
     """Say where the fallback answered at a node that contributes to pf."""
-    fallbacks = 0
+    thresholds = np.array([criterion.threshold for criterion in criteria])
+    missions = np.array([float(criterion.max_missions) for criterion in criteria])
+    pf = np.array([one.pf for one in found])
+    fallbacks = np.zeros(len(criteria), dtype=int)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):
         if isinstance(distribution, SaddlepointDistribution):
-            value = distribution.evaluate(np.array([criterion.threshold]))
-            smaller = min(float(value.cdf[0]), float(value.sf[0]))
-            share = weight * units * criterion.max_missions * smaller
-            fallbacks += bool(value.fallback[0] and share > _MATTERS * found.pf)
-    if fallbacks == 0:
-        return []
+            value = distribution.evaluate(thresholds)
+            share = weight * units * missions * np.minimum(value.cdf, value.sf)
+            fallbacks += value.fallback & (share > _MATTERS * pf)
     return [
-        f"no admissible saddlepoint at {fallbacks} of {len(details.weights)} shared nodes; the "
+        f"no admissible saddlepoint at {count} of {len(details.weights)} shared nodes; the "
         "Pearson distribution answers there"
+        if count
+        else ""
+        for count in fallbacks
     ]

@@ -9,21 +9,25 @@ form is kept because it is the paper's own.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import Task
-from uqfold.methods.factorial_design import FFNIDetails, doubts_about_responses
+from uqfold.methods.factorial_answers import doubts_about_responses
+from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.system.conditional import ConditionalResponse
-from uqfold.system.event import mission_fails
-from uqfold.typing import FloatArray
+from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.typing import FloatArray, IntArray
 
 _NORMAL_95 = 1.959963984540054
 _CHUNK_VALUES = 4_000_000
 """Responses held in memory at once; part of the meaning of a seed."""
+_FEW = 10
+"""Rows that fail, or work, below which their number says little about its own error."""
 
 
 @runtime_checkable
@@ -34,9 +38,15 @@ class _Sampler(Protocol):
 
 
 def sampled_failure(
-    task: Task, responses: list[ConditionalResponse], details: FFNIDetails, rows: int
+    task: Task,
+    responses: list[ConditionalResponse],
+    details: FFNIDetails,
+    rows: int,
+    doubts: list[str],
 ) -> list[Estimate]:
     """Estimate every criterion of the task from sampled rows.
+
+    All nodes take turns, so that the rows drawn before a limit on time are an answer.
 
     Parameters
     ----------
@@ -46,73 +56,143 @@ def sampled_failure(
         From `conditional_responses`.
     rows
         N_0, rows drawn at each node.
+    doubts
+        Why every answer is ``doubtful``, besides infinite responses.
 
     Returns
     -------
     list[Estimate]
         With the standard error of sampling; the error of the quadrature is not in it.
+
+    Raises
+    ------
+    ValueError
+        If a single row does not fit into memory.
+    TimeLimitError
+        If the time is over before every node has had its first turn.
     """
-    shape = (len(responses), len(task.criteria))
-    failing, variance = np.zeros(shape), np.zeros(shape)
-    for k, response in enumerate(responses):
-        failing[k], variance[k] = _node(task, response, rows, task.generator(k))
+    missions = max(c.max_missions for c in task.criteria)
+    per_row = missions * task.problem.n_units
+    if per_row > _CHUNK_VALUES:
+        raise ValueError(
+            f"{missions} missions of {task.problem.n_units} units are {per_row} responses in one "
+            f"row, more than {_CHUNK_VALUES}: integrate instead (rows=None)"
+        )
+    chunk = max(1, _CHUNK_VALUES // per_row)
+    streams = [task.generator(k) for k in range(len(responses))]
+    # sum and sum of squares over rows, at each node and for each criterion
+    sums = np.zeros((2, len(responses), len(task.criteria)))
+    drawn, stopped = 0, ""
+    try:
+        while drawn < rows:
+            size = min(chunk, rows - drawn)
+            turn = np.empty_like(sums)
+            for k, (response, rng) in enumerate(zip(responses, streams, strict=True)):
+                task.check_time()
+                y = _sample(response, rng, (size, missions, task.problem.n_units))
+                turn[:, k] = _sums(task, y)
+            sums += turn
+            drawn += size
+    except TimeLimitError as error:
+        if drawn == 0:
+            raise
+        stopped = f"{drawn} of {rows} rows; {error}"
+    mean = sums[0] / drawn
+    variance = np.maximum(sums[1] / drawn - mean**2, 0.0)
     weights, complete = details.weights, details.complete
+    pf = np.minimum(weights @ mean, 1.0)
+    error = np.sqrt(weights**2 @ variance / drawn)
     # a failed run may have had any response, and then any distribution belongs to its node
-    lowest = weights @ (failing * complete[:, None])
-    unknown = float(weights @ ~complete)
+    lowest, unknown = weights @ (mean * complete[:, None]), float(weights @ ~complete)
+    rarer = np.minimum(sums[0].sum(axis=0), (drawn - sums[0]).sum(axis=0))
+    doubts = [*doubts, *doubts_about_responses(details)]
     estimates = []
-    for i in range(len(task.criteria)):
-        pf = min(float(weights @ failing[:, i]), 1.0)
-        error = math.sqrt(float(weights**2 @ variance[:, i]) / rows)
-        certain = not 0.0 < pf < 1.0
-        doubts = [f"all {rows} rows agree at every node"] if certain else []
-        doubts += doubts_about_responses(details)
-        spread = math.nan if certain or unknown > 0.0 else error
+    for i, value in enumerate(pf.tolist()):
+        certain = not 0.0 < value < 1.0
+        own = [f"all {drawn} rows agree at every node"] if certain else []
+        if not certain and rarer[i] < _FEW:
+            own = [f"about {rarer[i]:.2g} rows of all nodes differ from the others"]
+        reasons = [*own, *doubts]
+        spread = math.nan if certain or unknown > 0.0 else float(error[i])
         estimates.append(
             Estimate(
-                pf=pf,
-                pf_low=min(float(lowest[i]), pf),
-                pf_high=max(min(float(lowest[i]) + unknown, 1.0), pf),
+                pf=value,
+                pf_low=min(float(lowest[i]), value),
+                pf_high=max(min(float(lowest[i]) + unknown, 1.0), value),
                 std_error=spread,
-                ci_low=max(pf - _NORMAL_95 * spread, 0.0),
-                ci_high=min(pf + _NORMAL_95 * spread, 1.0),
+                ci_low=max(value - _NORMAL_95 * spread, 0.0),
+                ci_high=min(value + _NORMAL_95 * spread, 1.0),
                 ci_kind="" if math.isnan(spread) else "normal 95 %, sampling only",
                 error_kind="sampling",
-                status="doubtful" if doubts else "unchecked",
-                message="; ".join(doubts) or "only the error of sampling is estimated",
+                status="doubtful" if reasons else "budget_exhausted" if stopped else "unchecked",
+                message="; ".join([*reasons, stopped] if stopped else reasons),
             )
         )
     return estimates
 
 
-def _node(
-    task: Task, response: ConditionalResponse, rows: int, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Mean and variance of failure per criterion, failed runs counted as failing."""
-    missions = max(c.max_missions for c in task.criteria)
-    n_units, n = task.problem.n_units, len(task.criteria)
-    chunk = max(1, _CHUNK_VALUES // (missions * n_units))
-    total, squares = np.zeros(n), np.zeros(n)
-    for start in range(0, rows, chunk):
-        size = min(chunk, rows - start)
-        y = _sample(response, rng, (size, missions, n_units))
-        for i, criterion in enumerate(task.criteria):
-            value = _row_failure(y, criterion)
-            total[i] += value.sum()
-            squares[i] += (value**2).sum()
-    mean = total / rows
-    return mean, np.maximum(squares / rows - mean**2, 0.0)
+def _sums(task: Task, y: FloatArray) -> FloatArray:
+    """Sum and sum of squares (2, C) of the failure of rows y (size, missions, units).
+
+    A row's failure is 0 or 1, or its mean over the binomial number of missions. Whether its first
+    k missions fail depends on T through one number, so that sorting it answers all thresholds.
+    """
+    found = np.zeros((2, len(task.criteria)))
+    by_tau: dict[float | None, list[int]] = {}
+    for row, criterion in enumerate(task.criteria):
+        by_tau.setdefault(criterion.tau, []).append(row)
+    for tau, rows in by_tau.items():
+        criteria = [task.criteria[row] for row in rows]
+        thresholds = np.array([criterion.threshold for criterion in criteria])
+        shares = _shares(criteria, y.shape[1])
+        late = np.maximum.accumulate(_latest(y, tau), axis=1)
+        for k in np.flatnonzero(shares.any(axis=(0, 1))):
+            task.check_time()
+            failing = _above(late[:, k], thresholds)
+            found[:, rows] += shares[:, :, k] * failing
+    return found
 
 
-def _row_failure(y: FloatArray, criterion: Criterion) -> FloatArray:
-    """Failure of each row (size,): 0 or 1, or its mean over the binomial number of missions."""
-    fails = mission_fails(y, criterion.threshold, criterion.tau, missing_fails=True)
-    if not isinstance(criterion.missions, Binomial):
-        return np.asarray(fails[:, : criterion.missions].any(axis=1), dtype=np.float64)
-    planned, p = criterion.missions.planned, criterion.missions.p
-    failed_by = np.logical_or.accumulate(fails[:, :planned], axis=1)
-    chance = [math.comb(planned, k) * p**k * (1.0 - p) ** (planned - k) for k in range(planned + 1)]
-    return np.asarray(failed_by @ np.array(chance[1:]))
+def _latest(y: FloatArray, tau: float | None) -> FloatArray:
+    """Largest response (size, missions) of each mission; +inf where it fails whatever T is."""
+    highest = y.max(axis=2)  # NaN, a failed run, stays NaN
+    fails = np.isnan(highest)
+    if tau is not None:
+        lowest = y.min(axis=2)
+        with np.errstate(invalid="ignore", over="ignore"):
+            fails |= (highest - lowest > tau) | np.isinf(lowest)
+    return np.where(fails, np.inf, highest)
+
+
+def _above(late: FloatArray, thresholds: FloatArray) -> IntArray:
+    """How many of the responses fail at each threshold; +inf fails at every one."""
+    order = np.sort(late)
+    below = np.searchsorted(order, thresholds, side="right")
+    finite = np.searchsorted(order, np.inf, side="left")
+    return np.asarray(late.size - np.minimum(below, finite))
+
+
+def _shares(criteria: Sequence[Criterion], missions: int) -> FloatArray:
+    """Weights (2, C, missions) of "one of the first k missions fails" in a row's failure.
+
+    The first set gives the failure itself, the second its square.
+    """
+    from scipy.stats import binom
+
+    shares = np.zeros((2, len(criteria), missions))
+    known: dict[Binomial, FloatArray] = {}
+    for row, criterion in enumerate(criteria):
+        flown = criterion.missions
+        if not isinstance(flown, Binomial):
+            shares[:, row, flown - 1] = 1.0
+            continue
+        if flown not in known:
+            chance = binom.pmf(np.arange(1, flown.planned + 1), flown.planned, flown.p)
+            # failure of a row whose first failed mission is the k-th
+            tails = np.append(np.cumsum(chance[::-1])[::-1], 0.0)
+            known[flown] = np.stack([chance, tails[:-1] ** 2 - tails[1:] ** 2])
+        shares[:, row, : flown.planned] = known[flown]
+    return shares
 
 
 def _sample(

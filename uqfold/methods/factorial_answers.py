@@ -1,0 +1,93 @@
+"""Answers of full-factorial numerical integration (FFNI) from its conditional responses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from uqfold.inputs import JointInputs
+from uqfold.methods.base import Task
+from uqfold.methods.criteria_blocks import estimates_by_blocks
+from uqfold.methods.factorial_design import FFNIDetails, Nodes, counts_per_input
+from uqfold.methods.result import Estimate
+from uqfold.problems.criterion import Criterion
+from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional_response import ConditionalResponse
+
+DoubtsAbout: TypeAlias = Callable[[Sequence[Criterion], Sequence[SystemProbability]], list[str]]
+"""Why each answer is ``doubtful``; an empty text where it is not."""
+
+
+def system_estimates(
+    task: Task,
+    responses: list[ConditionalResponse],
+    details: FFNIDetails,
+    doubts: list[str],
+    doubts_about: DoubtsAbout,
+) -> list[Estimate]:
+    """Turn the conditional responses into one estimate per criterion of the task.
+
+    Parameters
+    ----------
+    task
+        Criteria and number of units.
+    responses, details
+        From `conditional_responses`.
+    doubts
+        Why every answer is ``doubtful``, besides infinite responses.
+    doubts_about
+        Why single ones are.
+    """
+    units = task.problem.n_units
+    doubts = [*doubts, *doubts_about_responses(details)]
+    # a failed run may have had any response, and then any distribution belongs to its node
+    known = [
+        response if complete else ConditionalResponse(None, p_missing=1.0)
+        for response, complete in zip(responses, details.complete, strict=True)
+    ]
+
+    def answers(rows: Sequence[int]) -> list[Estimate]:
+        criteria = [task.criteria[row] for row in rows]
+        found = system_failures(responses, details.weights, units, criteria)
+        bounds = found
+        if not details.complete.all():
+            bounds = system_failures(known, details.weights, units, criteria)
+        own = doubts_about(criteria, found)
+        return [_estimate(*row, doubts=doubts) for row in zip(found, bounds, own, strict=True)]
+
+    return estimates_by_blocks(len(task.criteria), answers)
+
+
+def doubts_about_responses(details: FFNIDetails) -> list[str]:
+    """Say where no moments tell what the responses do."""
+    if details.infinite > 0.0:
+        return [f"infinite responses at nodes of weight {details.infinite:.2g}"]
+    return []
+
+
+def doubts_about_nodes(inputs: JointInputs, shared: Nodes, individual: Nodes) -> list[str]:
+    """Say which individual inputs have too few nodes for four moments.
+
+    n nodes integrate powers up to 2 n - 1: two of them give a response that is linear in its
+    input a wrong fourth moment.
+    """
+    counts = counts_per_input(inputs, shared, individual)[inputs.n_shared :]
+    few = [name for name, n in zip(inputs.individual_names, counts, strict=True) if n < 3]
+    if not few:
+        return []
+    return [f"two nodes cannot tell the fourth moment that {', '.join(few)} gives the response"]
+
+
+def _estimate(
+    found: SystemProbability, bounds: SystemProbability, own: str, doubts: list[str]
+) -> Estimate:
+    reasons = [own, *doubts] if own else doubts
+    return Estimate(
+        pf=found.pf,
+        reliability=found.reliability,
+        pf_low=min(bounds.pf_low, found.pf),
+        pf_high=max(bounds.pf_high, found.pf),
+        error_kind="none",
+        status="doubtful" if reasons else "unchecked",
+        message="; ".join(reasons),
+    )
