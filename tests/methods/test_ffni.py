@@ -2,13 +2,17 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
+from uqfold.evaluation import Evaluator
 from uqfold.inputs import normal
 from uqfold.methods import FFNIPearson, FFNISaddlepoint
 from uqfold.methods.factorial_design import factorial_design
+from uqfold.moments.saddlepoint import SaddlepointDistribution, SaddlepointValue
 from uqfold.problems import Problem, folding_wing, four_bar, series
 from uqfold.problems.criterion import Binomial, Criterion, criteria
 from uqfold.testing import LinearNormalSystem
@@ -210,3 +214,64 @@ def test_settings_are_the_identity_of_a_method() -> None:
         FFNIPearson(family="gamma")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="rows"):
         FFNIPearson(rows=1)
+
+
+def test_two_nodes_are_doubted_where_four_moments_are_used() -> None:
+    """Settings that make no sense answer with a doubt: two nodes have the wrong kurtosis."""
+    problem, asked = LinearNormalSystem().problem(), criteria(11.0)
+    for method in (FFNIPearson(nodes_individual=2), FFNISaddlepoint(nodes_individual=(5, 2))):
+        row = method.estimate(problem, asked)[0]
+        assert row.status == "doubtful"
+        assert "two nodes cannot tell the fourth moment" in row.message
+    clean = FFNIPearson(nodes_individual=2, family="normal").estimate(problem, asked)[0]
+    assert clean.status == "unchecked"
+
+
+def test_few_sampled_rows_are_doubted() -> None:
+    row = FFNIPearson(rows=2).estimate(LinearNormalSystem().problem(), criteria(11.0), rng=1)[0]
+    assert row.status == "doubtful"
+
+
+def test_a_design_that_does_not_fit_into_memory_is_refused() -> None:
+    """What would need gigabytes is refused beforehand, with the remedy."""
+    ten = Problem(lambda x: x.sum(axis=1), individual=[normal(0.0, 1.0)] * 10)
+    row = FFNIPearson(nodes_individual=(*(6,) * 9, 4)).estimate(ten, criteria(1.0))[0]
+    assert row.status == "failed"
+    assert "lower nodes_shared" in row.message
+
+
+def test_many_criteria_are_answered_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """10,000 criteria: each node is asked for all thresholds at once."""
+    calls = []
+    plain = SaddlepointDistribution.evaluate
+
+    def counted(self: SaddlepointDistribution, y: ArrayLike) -> SaddlepointValue:
+        calls.append(np.size(y))
+        return plain(self, y)
+
+    monkeypatch.setattr(SaddlepointDistribution, "evaluate", counted)
+    asked = criteria(np.linspace(9.0, 13.0, 3_000), missions=[1, Binomial(10, 0.7)])
+    problem = LinearNormalSystem().problem()
+    result = FFNISaddlepoint().estimate(problem, asked)
+    assert len(calls) < 200
+    alone = FFNISaddlepoint().estimate(problem, [asked[4_321]])[0]
+    assert result[4_321].pf == pytest.approx(alone.pf, rel=1e-13)
+    assert result[4_321].status == alone.status
+
+
+def test_sampling_answers_with_the_rows_drawn_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """ffni-pearson(rows=1e6) overran max_seconds by factors: all nodes take turns."""
+    monkeypatch.setattr("uqfold.methods.pearson_sampling._CHUNK_VALUES", 400)
+    clock = iter(range(10**9))
+    monkeypatch.setattr(
+        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
+    )
+    system = LinearNormalSystem()
+    evaluator = Evaluator(max_seconds=2_000.0)
+    row = FFNIPearson(rows=10**6).estimate(
+        system.problem(), criteria(11.0), rng=1, evaluator=evaluator
+    )[0]
+    assert row.status == "budget_exhausted"
+    assert "of 1000000 rows" in row.message
+    assert "max_seconds" in row.message
+    assert abs(row.pf - system.pf(Criterion(11.0))) < 5 * row.std_error

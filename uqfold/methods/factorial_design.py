@@ -191,7 +191,7 @@ def conditional_responses(
     missing = (np.isnan(table) * w).sum(axis=1)
     moments = moments_from_rule(table, w, finite)
     distributions: list[ConditionalDistribution | None] = []
-    for k, some in enumerate(finite.any(axis=1)):
+    for k, some in enumerate(np.asarray(finite.any(axis=1))):
         check_time()
         distributions.append(fit(*moments.row(k)) if some else None)
     details = FFNIDetails(

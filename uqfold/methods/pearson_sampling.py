@@ -9,7 +9,6 @@ form is kept because it is the paper's own.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -19,7 +18,8 @@ from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import doubts_about_responses
 from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.result import Estimate
-from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.criterion import Binomial, Missions
+from uqfold.system.conditional import grouped
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.typing import FloatArray, IntArray
 
@@ -101,7 +101,7 @@ def sampled_failure(
     variance = np.maximum(sums[1] / drawn - mean**2, 0.0)
     weights, complete = details.weights, details.complete
     pf = np.minimum(weights @ mean, 1.0)
-    error = np.sqrt(weights**2 @ variance / drawn)
+    std_error = np.sqrt(weights**2 @ variance / drawn)
     # a failed run may have had any response, and then any distribution belongs to its node
     lowest, unknown = weights @ (mean * complete[:, None]), float(weights @ ~complete)
     rarer = np.minimum(sums[0].sum(axis=0), (drawn - sums[0]).sum(axis=0))
@@ -111,9 +111,9 @@ def sampled_failure(
         certain = not 0.0 < value < 1.0
         own = [f"all {drawn} rows agree at every node"] if certain else []
         if not certain and rarer[i] < _FEW:
-            own = [f"about {rarer[i]:.2g} rows of all nodes differ from the others"]
+            own = [f"fewer than {_FEW} rows of all nodes differ from the others"]
         reasons = [*own, *doubts]
-        spread = math.nan if certain or unknown > 0.0 else float(error[i])
+        spread = math.nan if certain or unknown > 0.0 else float(std_error[i])
         estimates.append(
             Estimate(
                 pf=value,
@@ -138,18 +138,27 @@ def _sums(task: Task, y: FloatArray) -> FloatArray:
     k missions fail depends on T through one number, so that sorting it answers all thresholds.
     """
     found = np.zeros((2, len(task.criteria)))
-    by_tau: dict[float | None, list[int]] = {}
-    for row, criterion in enumerate(task.criteria):
-        by_tau.setdefault(criterion.tau, []).append(row)
-    for tau, rows in by_tau.items():
+    for tau, rows in grouped(task.criteria, lambda criterion: criterion.tau):
         criteria = [task.criteria[row] for row in rows]
         thresholds = np.array([criterion.threshold for criterion in criteria])
-        shares = _shares(criteria, y.shape[1])
+        profiles = [
+            (_shares(missions), some)
+            for missions, some in grouped(criteria, lambda criterion: criterion.missions)
+        ]
         late = np.maximum.accumulate(_latest(y, tau), axis=1)
-        for k in np.flatnonzero(shares.any(axis=(0, 1))):
-            task.check_time()
-            failing = _above(late[:, k], thresholds)
-            found[:, rows] += shares[:, :, k] * failing
+        sums = np.zeros((2, len(rows)))
+        for k in range(y.shape[1]):
+            concerned = [
+                (shares[:, k], some)
+                for shares, some in profiles
+                if k < shares.shape[1] and shares[0, k] > 0.0
+            ]
+            if concerned:
+                task.check_time()
+                failing = _above(late[:, k], thresholds)
+                for share, some in concerned:
+                    sums[:, some] += share[:, None] * failing[some]
+        found[:, rows] = sums
     return found
 
 
@@ -172,27 +181,21 @@ def _above(late: FloatArray, thresholds: FloatArray) -> IntArray:
     return np.asarray(late.size - np.minimum(below, finite))
 
 
-def _shares(criteria: Sequence[Criterion], missions: int) -> FloatArray:
-    """Weights (2, C, missions) of "one of the first k missions fails" in a row's failure.
+def _shares(missions: Missions) -> FloatArray:
+    """Weights (2, m) of "one of the first k missions fails", k = 1 ... m, in a row's failure.
 
     The first set gives the failure itself, the second its square.
     """
+    if not isinstance(missions, Binomial):
+        shares = np.zeros((2, missions))
+        shares[:, -1] = 1.0
+        return shares
     from scipy.stats import binom
 
-    shares = np.zeros((2, len(criteria), missions))
-    known: dict[Binomial, FloatArray] = {}
-    for row, criterion in enumerate(criteria):
-        flown = criterion.missions
-        if not isinstance(flown, Binomial):
-            shares[:, row, flown - 1] = 1.0
-            continue
-        if flown not in known:
-            chance = binom.pmf(np.arange(1, flown.planned + 1), flown.planned, flown.p)
-            # failure of a row whose first failed mission is the k-th
-            tails = np.append(np.cumsum(chance[::-1])[::-1], 0.0)
-            known[flown] = np.stack([chance, tails[:-1] ** 2 - tails[1:] ** 2])
-        shares[:, row, : flown.planned] = known[flown]
-    return shares
+    chance = binom.pmf(np.arange(1, missions.planned + 1), missions.planned, missions.p)
+    # failure of a row whose first failed mission is the k-th
+    tails = np.append(np.cumsum(chance[::-1])[::-1], 0.0)
+    return np.stack([chance, tails[:-1] ** 2 - tails[1:] ** 2])
 
 
 def _sample(

@@ -34,6 +34,7 @@ _BLOCK = 4096
 __all__ = [
     "ConditionalResponse",
     "SystemProbability",
+    "grouped",
     "independent_failure",
     "independent_failures",
     "system_failure",
@@ -152,7 +153,7 @@ def _expectation(
     criteria: Sequence[Criterion],
 ) -> list[SystemProbability]:
     found = np.empty((4, len(criteria)))
-    for tau, rows in _grouped(criteria, lambda one: one.tau):
+    for tau, rows in grouped(criteria, lambda one: one.tau):
         asked = np.array([criteria[row].threshold for row in rows])
         thresholds, column = np.unique(asked, return_inverse=True)
         for start in range(0, thresholds.size, _BLOCK):
@@ -160,7 +161,7 @@ def _expectation(
             mission = _at_nodes(nodes, units, block, tau)
             here = np.flatnonzero((column >= start) & (column < start + _BLOCK))
             profiles = [criteria[rows[i]] for i in here]
-            for missions, some in _grouped(profiles, lambda one: one.missions):
+            for missions, some in grouped(profiles, lambda one: one.missions):
                 of_block = column[here[some]] - start
                 answers = _over_nodes(mission, shares, missions)[:, of_block]
                 found[:, [rows[i] for i in here[some]]] = answers
@@ -173,7 +174,7 @@ def _expectation(
     ]
 
 
-def _grouped(
+def grouped(
     criteria: Sequence[Criterion], key: Callable[[Criterion], Key]
 ) -> Iterator[tuple[Key, list[int]]]:
     """Values of a key, and which criteria have each of them."""
