@@ -121,6 +121,44 @@ def test_a_reliability_that_rests_on_a_few_draws_is_doubtful() -> None:
     assert {(common.status, common.message) for _, common in results} == {("converged", "")}
 
 
+@pytest.mark.parametrize("missions", [Binomial(3, 0.95), Binomial(6, 0.3)])
+def test_a_binomial_number_of_missions_hides_no_rare_draws(missions: Binomial) -> None:
+    """Near the floor that unflown missions leave, a few shared draws carry the rest.
+
+    Old answers there were converged, and up to thousands of stated errors off.
+    """
+    system = LinearNormalSystem(units=4, shared_std=1.5)
+    floor = (1.0 - missions.p) ** missions.planned
+    asked = criteria([5.5, 6.4, 11.8], missions=missions)
+    exact = np.array([system.pf(criterion) for criterion in asked])
+    assert np.all(1.0 - exact[:2] < 6.0 * floor)
+    method, problem = ConditionalMonteCarlo(blocks=16), system.problem()
+    rows = [method.estimate(problem, asked, rng=seed).rows for seed in range(30)]
+    sure = np.array([[row.status == "converged" for row in run] for run in rows])
+    covers = np.array(
+        [[row.ci_low <= pf <= row.ci_high for row, pf in zip(run, exact, strict=True)]
+         for run in rows]
+    )  # fmt: skip
+    assert sure[:, :2].mean() < 0.05
+    assert sure[:, 2].all()
+    # 95 % of 30 cover, less four standard deviations
+    assert np.all(covers.mean(axis=0) > 0.79)
+    assert any("the reliability rests on about" in row.message for run in rows for row in run[:2])
+
+
+def test_draws_that_all_agree_leave_a_bound_that_holds() -> None:
+    """Where every draw fails whatever is flown, pf is what the number of missions says."""
+    system, missions = LinearNormalSystem(units=4, shared_std=0.5), Binomial(6, 0.3)
+    row = ConditionalMonteCarlo(blocks=8).estimate(
+        system.problem(), criteria(6.0, missions=missions), rng=1
+    )[0]
+    assert row.pf == pytest.approx(1.0 - 0.7**6, rel=1e-15)
+    assert (row.status, row.message) == ("doubtful", "only failures in 128 shared draws")
+    assert row.ci_low < system.pf(criteria(6.0, missions=missions)[0]) < row.pf
+    assert row.ci_high == row.pf
+    assert math.isnan(row.std_error)
+
+
 def test_problem_without_shared_inputs() -> None:
     def first(x: np.ndarray) -> np.ndarray:
         return x[:, 0]

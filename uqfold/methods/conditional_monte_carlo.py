@@ -31,8 +31,9 @@ WITHOUT_A_BUDGET = 256
 ARRANGEMENTS = 6
 """Ways in which the responses of a draw are put together to missions under tau."""
 FEW = 10
-"""Fewer shared draws than this behind pf or the reliability leave the stated error uncertain
-itself."""
+"""Failures in fewer shared draws than this leave the stated error uncertain itself."""
+ENOUGH_DRAWS = 25.0
+"""Shared draws that an interval takes, as a multiple of the squared skewness of the draws."""
 LEVEL = 0.95
 
 
@@ -82,8 +83,10 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     -----
     The standard error comes from the spread of the block means, and the interval from Student's
     distribution, so that stratification is accounted for. The status is ``doubtful`` with failures
-    in fewer than ten shared draws, or none; without a failure the interval is the one-sided bound
-    of Clopper and Pearson for as many systems as there are shared draws.
+    in fewer than ten shared draws, or none, and where few draws carry pf or the reliability: draws
+    too skewed for the interval of a mean. The interval then goes on to what shared inputs that no
+    draw has shown may add, by the bound of Clopper and Pearson for as many systems as there are
+    shared draws.
     """
 
     name: ClassVar[str] = "conditional-mc"
@@ -171,8 +174,10 @@ class _Sums:
         self.mean = np.zeros((2, len(self.criteria)))
         self.squares = np.zeros_like(self.mean)
         self.failing = np.zeros(len(self.criteria), dtype=np.int64)
-        # of the reliability given the shared inputs: sum and sum of squares over all draws
-        self.working = np.zeros((2, len(self.criteria)))
+        # over all draws, of pf given the shared inputs (0) and of what it lacks of its largest (1)
+        self.powers = np.zeros((2, 3, len(self.criteria)))
+        self.lowest = np.full(len(self.criteria), np.inf)
+        self.highest = np.full(len(self.criteria), -np.inf)
         self.tables = [
             failure_by_count(missions * self.units, self.units, c.missions)
             if c.tau is None
@@ -195,8 +200,11 @@ class _Sums:
                 estimates[j, i] = found.mean(axis=(1, 2))
                 if missing_fails:
                     self.failing[i] += int((found > 0.0).any(axis=1).sum())
-                    working = 1.0 - found.mean(axis=1)
-                    self.working[:, i] += working.sum(), (working**2).sum()
+                    self.lowest[i] = min(self.lowest[i], found.min())
+                    self.highest[i] = max(self.highest[i], found.max())
+                    fails = found.mean(axis=1)
+                    for k, part in enumerate((fails, self.tables[i][-1] - fails)):
+                        self.powers[k, :, i] += [(part**power).sum() for power in (1, 2, 3)]
         before, self.blocks = self.blocks, self.blocks + len(ways)
         share = len(ways) / self.blocks
         own = estimates.mean(axis=2)
@@ -221,14 +229,32 @@ class _Sums:
             )
         return np.asarray(fails.sum(axis=-1))
 
-    def _alike(self, i: int) -> float:
-        """How many draws with one and the same reliability would scatter like these.
+    def _uneven(self, i: int) -> tuple[str, float]:
+        """What rests on so few of the shared draws that the stated error is not to be believed.
 
-        Nearly every draw has some reliability, so that counting them says nothing. This is Kish's
-        effective size of a weighted sample (Survey Sampling, 1965).
+        Where few draws carry nearly all of the sum, a sample without them looks even, and states
+        a small error. Cochran's rule for the interval of a mean asks for more than 25 times the
+        squared skewness of the draws (Sampling Techniques, 1977, 2.15). That a system which flies
+        no mission works is the same for every draw, and does not count.
+
+        Returns
+        -------
+        tuple[str, float]
+            ``"pf"``, ``"the reliability"`` or empty, and how many draws that are alike would
+            scatter like these: Kish's effective size (Survey Sampling, 1965).
         """
-        total, squares = self.working[:, i].tolist()
-        return math.inf if squares == 0.0 else total**2 / squares
+        n = self.blocks * BLOCK_DRAWS
+        rare = int(self.powers[1, 0, i] < self.powers[0, 0, i])
+        total, squares, cubes = self.powers[rare, :, i].tolist()
+        mean, square = total / n, squares / n
+        variance = square - mean**2
+        third = cubes / n - 3.0 * mean * square + 2.0 * mean**3
+        if n * max(variance, 0.0) ** 3 >= ENOUGH_DRAWS * third**2:
+            return "", math.inf
+        if third < 0.0:
+            rare = 1 - rare
+            total, squares = self.powers[rare, :2, i].tolist()
+        return ("pf", "the reliability")[rare], total**2 / squares
 
     def estimate(self, i: int, missing: int, stopped: str) -> Estimate:
         """Answer one criterion."""
@@ -248,19 +274,29 @@ class _Sums:
         ci_low = max(0.0, pf_low - reach * spread_low)
         ci_high = min(1.0, pf + reach * std_error)
         kind = "student 95 %"
-        failing = int(self.failing[i])
-        if std_error == 0.0:
+        failing, most = int(self.failing[i]), float(self.tables[i][-1])
+        rests, alike = self._uneven(i)
+        # with 95 % confidence what no draw has shown has at most this probability
+        unseen = clopper_pearson(0, draws, LEVEL)[1]
+        if self.lowest[i] == self.highest[i]:
             # without both outcomes the sample says nothing about its own spread
-            certain = draws if pf > 0.5 else 0
-            ci_low, ci_high = clopper_pearson(certain, draws, LEVEL)
+            pf = float(self.highest[i])
             std_error, kind, status = math.nan, "clopper-pearson 95 % one-sided", "doubtful"
-            messages.append(f"{'only' if certain else 'no'} failures in {draws} shared draws")
+            ci_low = pf_low if pf == 0.0 else pf_low * (1.0 - unseen)
+            ci_high = pf + unseen * (most - pf)
+            messages.append(f"{'only' if pf > 0.0 else 'no'} failures in {draws} shared draws")
         elif failing < FEW:
-            status = "doubtful"
+            status, rests = "doubtful", "pf"
             messages.append(f"failures in {failing} of {draws} shared draws")
-        elif (alike := self._alike(i)) < FEW:
+        elif rests:
             status = "doubtful"
-            messages.append(f"the reliability rests on about {alike:.2g} of {draws} shared draws")
+            messages.append(f"{rests} rests on about {alike:.2g} of {draws} shared draws")
+        if rests:
+            kind = "student 95 %, and unseen draws"
+            if rests == "pf":
+                ci_high = max(ci_high, pf + unseen * (most - pf))
+            else:
+                ci_low = min(ci_low, pf_low * (1.0 - unseen))
         return Estimate(
             pf=pf,
             reliability=1.0 - pf,
