@@ -1,12 +1,18 @@
-"""The Python code of README and docs runs as printed."""
+"""The Python code of README and docs runs as printed, and README's commands are found."""
 
+import io
 import re
+import shlex
 import subprocess
 import sys
+import tomllib
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
 
+from uqfold.cli import main
 from uqfold.methods import available
 
 ROOT = Path(__file__).parents[1]
@@ -47,3 +53,82 @@ def test_links_of_readme_lead_somewhere() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#]+)\)", text):
         assert (ROOT / target).exists(), target
+
+
+PROGRAM = re.compile(r"(\.venv/bin/)?(uqfold|python3?|pip|pytest|sphinx-build)$")
+SCRIPTS = {"pytest": "pytest", "sphinx": "sphinx-build"}
+"""Packages of the extras, and the programs of theirs that the page uses."""
+
+
+def commands(page: str) -> list[list[str]]:
+    """Words of every command on a page, in order: those of shell blocks, and those in a text."""
+    found = re.findall(r"```sh\n(.*?)```|`([^`\n]+(?:\n[^`\n]+)?)`", page, re.DOTALL)
+    lines = [line for block, inline in found for line in (block or inline).strip().splitlines()]
+    parts = [part for line in lines for part in line.split("&&")]
+    words = [shlex.split(part) for part in parts]
+    return [one for one in words if len(one) > 1 and PROGRAM.match(one[0])]
+
+
+def refused(page: str) -> Iterator[str]:
+    """Say which commands of a page would not run in a fresh clone, one after the other, and why."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    here, results = {"python3"}, set[str]()
+    for words in commands(page):
+        program, *arguments = words
+        name, shown = Path(program).name, shlex.join(words)
+        if program not in here:
+            yield f"{shown}: {program} is not found; so far there are {sorted(here)}"
+        if arguments == ["-m", "venv", ".venv"]:
+            here |= {".venv/bin/python", ".venv/bin/pip"}
+        elif name == "pip":
+            here |= {f".venv/bin/{script}" for script in project["scripts"]}
+            for extra in re.findall(r"[a-z]+", arguments[-1]):
+                wanted = {
+                    re.split(r"[<>=]", one)[0] for one in project["optional-dependencies"][extra]
+                }
+                here |= {f".venv/bin/{SCRIPTS[one]}" for one in wanted & set(SCRIPTS)}
+        elif arguments[:1] == ["-m"] and f".venv/bin/{arguments[1]}" not in here:
+            yield f"{shown}: {arguments[1]} is not installed"
+        elif name == "uqfold":
+            if said := misunderstood(arguments):
+                yield f"{shown}: {said}"
+                continue
+            if arguments[0] == "compare":
+                results.add(f"uqfold-results/{arguments[1]}")
+            for folder in (word for word in arguments if "/" in word):
+                if folder not in results and not (ROOT / folder).is_dir():
+                    yield f"{shown}: nothing has made {folder}"
+
+
+def misunderstood(arguments: list[str]) -> str:
+    """Let the command line take its words apart without doing anything: what it refuses."""
+    said = io.StringIO()
+    with pytest.raises(SystemExit) as ended, redirect_stdout(said), redirect_stderr(said):
+        main([*arguments, "--help"])
+    return "" if ended.value.code in (None, 0) else said.getvalue()
+
+
+def test_commands_of_readme_are_found_and_understood_in_order() -> None:
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(commands(page)) > 10
+    assert list(refused(page)) == []
+
+
+SET_UP = "`python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/uqfold compare series`"
+
+
+@pytest.mark.parametrize(
+    ("command", "why"),
+    [
+        ("uqfold report uqfold-results/series", "uqfold is not found"),
+        (".venv/bin/uqfold report uqfold-results/four-bar", "nothing has made"),
+        (".venv/bin/uqfold validate --quickly", "No such option"),
+        (".venv/bin/uqfold reports x", "No such command"),
+        (".venv/bin/python -m pytest", "pytest is not installed"),
+        (".venv/bin/sphinx-build docs docs/_build", "sphinx-build is not found"),
+    ],
+)
+def test_command_that_would_not_run_is_noticed(command: str, why: str) -> None:
+    assert list(refused(SET_UP)) == []
+    [said] = refused(f"{SET_UP}, then\n\n```sh\n{command}\n```")
+    assert why in said
