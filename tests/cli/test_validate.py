@@ -1,6 +1,7 @@
 """The command `uqfold validate`, on small cases."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,8 @@ def test_what_does_not_hold_is_said(
     assert [line[1] for line in lines[1:4]] == ["b", "a", "c"]
     assert "3 cases: 2 holds, 1 does not hold" in text
     assert "- value: 2.5 (at most 2) - does not hold" in text
+    assert "2 of 3 cases have the kept verdicts, 1 changed" in text
+    assert "c: changed: does not hold, and no record of another verdict is kept" in text
     assert sorted(path.name for path in out.glob("*.json")) == ["a.json", "b.json", "c.json"]
 
 
@@ -48,26 +51,68 @@ def test_all_that_hold_give_exit_code_0(
     assert (record["tier"], record["verdict"]) == ("default", "holds")
 
 
-def test_the_gate_fails_when_a_verdict_changes_and_only_then(
+def forget(cases: Path) -> None:
+    """Import the cases anew, as a new process does."""
+    for name in [one for one in sys.modules if one.startswith(f"{cases.name}.")]:
+        del sys.modules[name]
+
+
+def test_exit_code_is_0_while_every_verdict_is_the_kept_one_and_1_when_one_changed(
     three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ("--quick", "--cases", three, "--out", tmp_path / "out")
-    assert run(*words, "--gate") == 1
-    assert "changed: a: no record of the quick tier is kept" in capsys.readouterr().err
-    run(*words, "--update", "--faults")
-    # a claim that did not hold before is no change
-    assert run(*words, "--gate") == 0
-    assert "no verdict has changed in 3 cases" in capsys.readouterr().err
+    # the former verdicts are none, so that "does not hold" becomes the kept one
+    assert run(*words, "--update", "--faults") == 0
+    assert "1 does not hold" in capsys.readouterr().out
+    assert run(*words) == 0
+    said = capsys.readouterr().out
+    assert "1 does not hold" in said
+    assert "kept records: every verdict is the kept one" in said
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Every verdict is the kept one" in report
     (three / "a" / "measure.py").write_text(MEASURE.replace("else 1.0", "else 2.5"))
-    # as in a new process
-    import sys
+    forget(three)
+    assert run(*words) == 1
+    said = capsys.readouterr().out
+    assert "2 of 3 cases have the kept verdicts, 1 changed" in said
+    assert "a: changed: the verdict was 'holds' and is 'does not hold'" in said
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "2 of 3 cases have the kept verdicts, 1 changed" in report
+    assert run(*words, "--update", "--no-faults") == 0
+    assert run(*words) == 0
 
-    for name in [one for one in sys.modules if one.startswith(f"{three.name}.")]:
-        del sys.modules[name]
-    assert run(*words, "--gate") == 1
-    said = capsys.readouterr().err
-    assert "changed: a: the verdict was 'holds' and is 'does not hold'" in said
-    assert "changed: b" not in said
+
+def test_a_margin_that_is_half_gone_is_said_and_changes_no_verdict(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("a", "--quick", "--cases", three, "--out", tmp_path / "out")
+    run(*words, "--update", "--no-faults")
+    (three / "a" / "measure.py").write_text(MEASURE.replace("else 1.0", "else 1.9"))
+    forget(three)
+    capsys.readouterr()
+    assert run(*words) == 0
+    said = capsys.readouterr().out
+    assert "every verdict is the kept one" in said
+    assert "a: moved: value: lost 90 % of its margin" in said
+
+
+def test_exit_code_is_2_when_something_broke(
+    three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--quick", "--cases", three, "--out", tmp_path / "out")
+    run(*words, "--update", "--no-faults")
+    (three / "b" / "measure.py").write_text("def measure(work):\n    raise ValueError('gone')\n")
+    # a verdict that has changed besides weighs less
+    (three / "a" / "measure.py").write_text(MEASURE.replace("else 1.0", "else 2.5"))
+    forget(three)
+    capsys.readouterr()
+    assert run(*words) == 2
+    said = capsys.readouterr().out
+    assert "1 of 3 cases have the kept verdicts, 1 changed, 1 broke" in said
+    assert "b: broken: could not be measured: ValueError: gone" in said
+    (three / "a" / "measure.py").write_text(MEASURE.replace('== "too large"', '== "none"'))
+    forget(three)
+    assert run("a", *words, "--faults") == 2
 
 
 def test_check_measures_nothing(
@@ -124,7 +169,6 @@ def test_an_interruption_keeps_what_is_finished(
     [
         (["d"], "no validation case is named 'd'"),
         (["--quick", "--full"], "give one of them"),
-        (["--gate"], "add --quick or"),
         (["--update"], "add --quick or"),
         (["--stale"], "add --quick or"),
         (["--cases", "nowhere"], "nowhere holds no validation cases"),

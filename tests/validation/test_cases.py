@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from uqfold.evidence.case import Case, Fault, find_cases
-from uqfold.evidence.gate import differences
+from uqfold.evidence.changes import Changes, changes
 from uqfold.evidence.record_file import read_case_record
 from uqfold.evidence.runner import Validation, plant
 
@@ -52,7 +52,7 @@ def test_the_kept_verdict_comes_out_again(name: str, tmp_path: Path) -> None:
     case: Case = CASES[name]
     record = Validation("quick", tmp_path).run(case)
     assert record.error == ""
-    assert differences(read_case_record(case.folder / "quick.json"), record) == []
+    assert changes(read_case_record(case.folder / "quick.json"), record) == Changes()
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -14,8 +14,15 @@ if TYPE_CHECKING:
 
 VALIDATE_HELP = """Measure the validation cases, and say what holds.
 
-Each case states one claim, what it is compared with, and a tolerance with its reason. The exit code
-is 1 if a claim does not hold, a case could not be measured, or a planted fault went unnoticed.
+Each case states one claim, what it is compared with, and a tolerance with its reason.
+
+\b
+Exit code:
+  0  every verdict is the one of the record kept beside its case, "does not hold"
+     included; a case without such a record is expected to hold
+  1  a verdict has changed
+  2  something broke: a case could not be measured, a planted fault went unnoticed,
+     or a word of the command is wrong
 
 \b
 Tiers:
@@ -55,17 +62,12 @@ def validate_cases(
             "with --quick without --update.",
         ),
     ] = None,
-    gate: Annotated[
-        bool,
-        typer.Option(
-            "--gate",
-            help="Compare with the records kept beside the cases; the exit code is 1 if a verdict "
-            "has changed.",
-        ),
-    ] = False,
     update: Annotated[
         bool,
-        typer.Option("--update", help="Replace the records kept beside the cases."),
+        typer.Option(
+            "--update",
+            help="Replace the records kept beside the cases, whose verdicts become the kept ones.",
+        ),
     ] = False,
     stale: Annotated[
         bool,
@@ -92,10 +94,9 @@ def validate_cases(
 
     if quick and full:
         raise typer.BadParameter("--quick and --full: give one of them")
-    if (gate or update or stale) and not (quick or full):
+    if (update or stale) and not (quick or full):
         raise typer.BadParameter(
-            "--gate, --update and --stale are for the tiers whose records are kept: add --quick or "
-            "--full"
+            "--update and --stale are for the tiers whose records are kept: add --quick or --full"
         )
     found = usage(find_cases, cases or session.default_cases(), names or ())
     if show:
@@ -116,7 +117,6 @@ def validate_cases(
         Path("uqfold-results", name) if out is None else out,
         invocation.interrupts,
         faults=update or not quick if faults is None else faults,
-        gate=gate,
         update=update,
         resume=session.resume_command(invocation.words),
     )

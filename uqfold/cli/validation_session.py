@@ -14,15 +14,19 @@ import uqfold
 from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, shown_path, stdout_console
 from uqfold.cli.interrupts import Interrupts
 from uqfold.evidence.case import Case
+from uqfold.evidence.changes import Changes, changes, kept_record
 from uqfold.evidence.check import KEPT_TIERS, discrepancies, report_discrepancies
-from uqfold.evidence.gate import differences
 from uqfold.evidence.record import CaseRecord, Tier
 from uqfold.evidence.record_file import read_case_records, write_case_record
-from uqfold.evidence.runner import Validation, existing_record
+from uqfold.evidence.runner import Validation
 from uqfold.report.layout import Cell, Grid
+from uqfold.report.page.write import write_page
 from uqfold.report.progress import ComparisonProgressBar
-from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report, write_report
-from uqfold.report.verdicts import VerdictTable
+from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report
+from uqfold.report.validation_page import validation_page
+from uqfold.report.verdicts import VerdictTable, kept_text
+
+EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
 
 @dataclass
@@ -41,10 +45,8 @@ class ValidationSession:
         Tells whether Ctrl-C was pressed.
     faults
         Whether to plant the cases' faults.
-    gate
-        Whether to compare with the records beside the cases.
     update
-        Whether to replace those records.
+        Whether to replace the records that are kept beside the cases.
     resume
         The words that go on with this run, for whoever interrupted it.
     """
@@ -54,10 +56,10 @@ class ValidationSession:
     folder: Path
     interrupts: Interrupts
     faults: bool = False
-    gate: bool = False
     update: bool = False
     resume: str = ""
     records: list[CaseRecord] = field(default_factory=list, init=False)
+    changes: dict[str, Changes] = field(default_factory=dict, init=False)
 
     def run(self) -> int:
         """Measure all cases and report; give the exit code of the program."""
@@ -72,15 +74,18 @@ class ValidationSession:
         if self.records:
             out = stdout_console(quiet=False)
             out.print(VerdictTable(self.records))
+            out.print(f"\nkept records: {kept_text(list(self.changes.values()))}", highlight=False)
+            for name, found in self.changes.items():
+                for text in found.words:
+                    out.print(f"  {name}: {text}", highlight=False, markup=False, soft_wrap=True)
             out.print(f"\nrecords: {shown_path(self.folder)}", highlight=False)
             for path in self._write_reports():
                 out.print(f"report: {shown_path(path)}", highlight=False)
-        if code == 0 and self.gate:
-            return EXIT_FAILED if self._compare() else 0
-        if code == 0 and any(
-            one.verdict == "does not hold" or one.error or one.missed_faults for one in self.records
-        ):
-            code = EXIT_FAILED
+        if code == 0 and any(found.broken for found in self.changes.values()):
+            code = EXIT_BROKEN
+        elif code == 0 and any(found.verdicts for found in self.changes.values()):
+            # with --update they are the kept ones from now on
+            code = 0 if self.update else EXIT_CHANGED
         return code
 
     def _measure(self) -> None:
@@ -97,33 +102,18 @@ class ValidationSession:
                 # what was interrupted may look finished where a library swallowed it
                 self.interrupts.check()
                 self.records.append(record)
+                self.changes[case.name] = changes(kept_record(case, self.tier), record)
                 if self.update and self.tier in KEPT_TIERS:
                     write_case_record(record, case.folder, self.tier)
 
     def _write_reports(self) -> list[Path]:
         """Write the report on all records of the folder, and on the kept ones if these changed."""
         report = self.folder / "report.html"
-        written = write_report(read_case_records(self.folder), report)[:1]
+        page = validation_page(read_case_records(self.folder), self.changes)
+        written = write_page(page, report)[:1]
         if self.update:
             written += write_kept_report(self.cases[0].folder.parent)[:1]
         return written
-
-    def _compare(self) -> bool:
-        """Say what differs from the records beside the cases; whether anything does."""
-        changed = False
-        for case, record in zip(self.cases, self.records, strict=True):
-            kept = existing_record(case.folder / f"{self.tier}.json")
-            lines = (
-                [f"no record of the {self.tier} tier is kept beside the case"]
-                if kept is None
-                else differences(kept, record)
-            )
-            for line in lines:
-                _say(f"changed: {case.name}: {line}")
-            changed |= bool(lines)
-        if not changed:
-            _say(f"no verdict has changed in {len(self.records)} cases")
-        return changed
 
 
 def default_cases() -> Path:

@@ -14,8 +14,7 @@ from uqfold.evidence.record_file import RecordError, read_case_record, to_docume
 from uqfold.evidence.runner import command, declared
 
 KEPT_TIERS = "quick", "full"
-"""Tiers whose records are kept beside the cases: the gate compares with the first, and shorter
-tiers quote the second."""
+"""Tiers whose records are kept beside the cases; shorter tiers quote the second."""
 
 
 def discrepancies(case: Case, tiers: Sequence[str] = KEPT_TIERS) -> list[str]:

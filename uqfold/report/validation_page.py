@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import uqfold
+from uqfold.evidence.changes import Changes
 from uqfold.evidence.check import fingerprint
 from uqfold.evidence.record import CaseRecord, PlantedFault
 from uqfold.report.evidence_blocks import (
@@ -31,7 +32,7 @@ from uqfold.report.page.blocks import (
     Words,
 )
 from uqfold.report.validation_case import case_anchor, case_section
-from uqfold.report.verdicts import reasons
+from uqfold.report.verdicts import kept_text, reasons
 from uqfold.report.wording import seconds_text
 
 _NAMED = 3
@@ -40,13 +41,17 @@ _LISTED = 6
 """Rows of that table."""
 
 
-def validation_page(records: Sequence[CaseRecord]) -> Page:
+def validation_page(
+    records: Sequence[CaseRecord], changes: Mapping[str, Changes] | None = None
+) -> Page:
     """Make the report on validation cases.
 
     Parameters
     ----------
     records
         One for each case; nothing that they name is imported or run.
+    changes
+        Name of a case -> what differs from its kept record; None: that was not looked at.
 
     Raises
     ------
@@ -67,7 +72,7 @@ def validation_page(records: Sequence[CaseRecord]) -> Page:
         kicker="Validation report",
         lead=f"{len(records)} claims, each with what it is compared with, a tolerance with its "
         f"reason, and a verdict. Measured {when}, {how}, in {_total_time(records)}.",
-        summary=tuple(_summary(records, topics)),
+        summary=tuple(_summary(records, topics, changes)),
         sections=(
             Section("cases", "All cases", (_topics_table(topics), _cases_table(records)))
             if sum(map(fails, records)) > _NAMED
@@ -89,8 +94,13 @@ def _total_time(records: Sequence[CaseRecord]) -> str:
     return seconds_text(total) if total < 120.0 else f"{total / 60.0:.0f} minutes"
 
 
-def _summary(records: Sequence[CaseRecord], topics: dict[str, list[CaseRecord]]) -> Iterator[Block]:
-    yield Cards((_checked_card(records), _verdict_card(records), _failing_card(records)))
+def _summary(
+    records: Sequence[CaseRecord],
+    topics: dict[str, list[CaseRecord]],
+    changes: Mapping[str, Changes] | None,
+) -> Iterator[Block]:
+    kept = () if changes is None else (_kept_card(records, changes),)
+    yield Cards((_checked_card(records), _verdict_card(records), _failing_card(records), *kept))
     failing = [record for record in records if fails(record)]
     if len(failing) > _NAMED:
         yield _failing_table(failing[:_LISTED])
@@ -133,6 +143,16 @@ def _verdict_card(records: Sequence[CaseRecord]) -> Card:
     elif counts["cannot be judged"]:
         tone = "warn"
     return Card("What holds?", answer, tuple(more), tone)
+
+
+def _kept_card(records: Sequence[CaseRecord], changes: Mapping[str, Changes]) -> Card:
+    compared = [(one, changes[one.name]) for one in records if one.name in changes]
+    more = tuple(_linked(record, text) for record, found in compared for text in found.words)
+    tone: Tone = "good"
+    if any(found.broken or found.verdicts for _, found in compared):
+        tone = "bad"
+    answer = kept_text([found for _, found in compared])
+    return Card("Is that what was found before?", answer[0].upper() + answer[1:], more, tone)
 
 
 def _plural(verdict: str, count: int) -> str:

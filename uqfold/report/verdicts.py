@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from uqfold.evidence.changes import Changes
 from uqfold.evidence.record import CaseRecord
 from uqfold.report.layout import Cell, Grid, hanging, line
 from uqfold.report.wording import seconds_text
@@ -44,6 +45,19 @@ class VerdictTable:
         yield line(counts_text(self.records))
         for record in self.records:
             yield from _reasons(record, width)
+
+
+def kept_text(changes: Sequence[Changes]) -> str:
+    """Say whether the verdicts are the kept ones."""
+    broken = sum(bool(one.broken) for one in changes)
+    changed = sum(bool(one.verdicts) and not one.broken for one in changes)
+    same = len(changes) - broken - changed
+    if same == len(changes):
+        return "every verdict is the kept one"
+    words = [f"{same} of {len(changes)} cases have the kept verdicts"]
+    words += [f"{changed} changed"] if changed else []
+    words += [f"{broken} broke"] if broken else []
+    return ", ".join(words)
 
 
 def counts_text(records: Sequence[CaseRecord]) -> str:
