@@ -68,7 +68,7 @@ def test_components_that_nobody_named() -> None:
 def test_a_name_given_twice_is_refused() -> None:
     with pytest.raises(ValueError, match="input 'a' is named twice"):
         product_inputs({"a": normal(0, 1)}, {"a": normal(0, 1)})
-    with pytest.raises(ValueError, match="not all different"):
+    with pytest.raises(ValueError, match="name each once"):
         product_inputs(normal(0, 1), normal(0, 1), names=["a", "a"])
 
 
@@ -106,9 +106,9 @@ def test_names_given_instead_of_those_of_the_distribution() -> None:
     ("shared", "names", "message"),
     [
         (["z"], None, r"shared input 'z' is not one of the inputs \['load', 'speed'\]"),
-        (["load", "load"], None, "are named twice"),
+        (["load", "load"], None, "name each once"),
         ([], ["a"], "1 names for 2 inputs"),
-        ([], ["a", "a"], "not all different"),
+        ([], ["a", "a"], "name each once"),
     ],
 )
 def test_wrong_names_are_refused(shared: list[str], names: Any, message: str) -> None:
@@ -232,7 +232,7 @@ def test_gauss_rule_of_a_column() -> None:
     [(0, 0), (0, -1), (math.nan, 1), (0, math.nan), (math.inf, 1), (0, math.inf)],
 )
 def test_impossible_normals_are_refused(mean: float, std: float) -> None:
-    with pytest.raises(ValueError, match="the mean must be finite and std > 0"):
+    with pytest.raises(ValueError, match=r"(mean|std) = .*: give a (finite|positive) number"):
         normal(mean, std)
 
 

@@ -2,9 +2,8 @@
 
 OpenTURNS distributions pass unchanged. Frozen scipy.stats distributions of the common families, and
 chaospy's normal, uniform and lognormal ones, become the OpenTURNS family with the same parameters,
-checked against the original at a few points. Any other one-dimensional distribution is wrapped,
-which is slow because each value is a Python call, and resolves the upper tail only down to
-probabilities of 1e-16.
+checked against the original at a few points. Any other one-dimensional distribution is wrapped for
+OpenTURNS' own use; `uqfold.inputs.laws` asks the original instead, all values at once.
 """
 
 from __future__ import annotations
@@ -14,6 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from uqfold.checks import names as checked_names
+from uqfold.checks import real
+from uqfold.inputs.laws import scipy_name
 
 _CHECK_LEVELS = (1e-6, 0.01, 0.2, 0.5, 0.8, 0.99, 1.0 - 1e-6)
 _CHECK_TOLERANCE = 1e-9
@@ -38,36 +41,55 @@ def as_openturns(distribution: Any) -> Any:
     TypeError
         If the object is none of these.
     ValueError
-        If it is discrete, or a chaospy distribution with dependent components.
+        If it is discrete, its parameters make no distribution, a name occurs twice, or it is a
+        chaospy distribution with dependent components.
     """
     import openturns as ot
 
     if isinstance(distribution, Mapping):
-        joint = as_openturns(list(distribution.values()))
-        joint.setDescription([str(name) for name in distribution])
+        given = checked_names("names of inputs", list(distribution))
+        joint = _listed(list(distribution.values()), [f"input {name!r}" for name in given])
+        joint.setDescription(given)
         return joint
     if isinstance(distribution, Sequence) and not isinstance(distribution, str):
-        if not distribution:
-            raise ValueError("an empty list of distributions: give at least one, or None")
-        parts = [as_openturns(part) for part in distribution]
-        wide = [part for part in parts if part.getDimension() != 1]
-        if wide:
-            raise ValueError(
-                f"a list must hold univariate distributions, but {wide[0]} has dimension "
-                f"{wide[0].getDimension()}: pass a joint distribution by itself"
-            )
-        return ot.JointDistribution(parts)
+        return _listed(
+            distribution, [f"input {i + 1} of the list" for i in range(len(distribution))]
+        )
+    if isinstance(distribution, ot.PythonDistribution):
+        return _continuous(ot.Distribution(distribution))
     origin = type(distribution).__module__.split(".")[0]
     if origin == "openturns":
         return _continuous(ot.Distribution(distribution))
-    if origin == "scipy":
-        return _continuous(_from_scipy(distribution))
-    if origin == "chaospy":
-        return _continuous(_from_chaospy(distribution))
+    make = {"scipy": _from_scipy, "chaospy": _from_chaospy}.get(origin)
+    if make is not None and not isinstance(distribution, type):
+        with np.errstate(all="ignore"):  # what overflows is found below, and refused
+            return _continuous(make(distribution))
     raise TypeError(
         f"{distribution!r} is not a distribution: give an OpenTURNS, a frozen scipy.stats or a "
         "chaospy distribution, or a mapping from names to such"
     )
+
+
+def _listed(distributions: Sequence[Any], names: Sequence[str]) -> Any:
+    """Join univariate distributions; `names` is what messages call them."""
+    import openturns as ot
+
+    if not distributions:
+        raise ValueError("an empty list of distributions: give at least one, or None")
+    parts = []
+    for given, name in zip(distributions, names, strict=True):
+        try:
+            part = as_openturns(given)
+        except (TypeError, ValueError) as error:
+            kind = TypeError if isinstance(error, TypeError) else ValueError
+            raise kind(f"{name}: {error}") from None
+        if part.getDimension() != 1:
+            raise ValueError(
+                f"{name}: a list must hold univariate distributions, but {part} has dimension "
+                f"{part.getDimension()}: pass a joint distribution by itself"
+            )
+        parts.append(part)
+    return ot.JointDistribution(parts)
 
 
 def _continuous(distribution: Any) -> Any:
@@ -82,6 +104,11 @@ def _from_scipy(frozen: Any) -> Any:
     if type(frozen).__name__ == "multivariate_normal_frozen":
         covariance = ot.CovarianceMatrix(np.atleast_2d(frozen.cov).tolist())
         return ot.Normal(np.atleast_1d(frozen.mean).tolist(), covariance)
+    if any(kind.__name__ == "multi_rv_frozen" for kind in type(frozen).__mro__):
+        raise TypeError(
+            f"{type(frozen).__name__} has several components: of SciPy's joint distributions only "
+            "multivariate_normal is taken; state any other by an OpenTURNS copula"
+        )
     if not hasattr(frozen, "dist") or not hasattr(frozen, "ppf"):
         raise TypeError(
             f"{frozen!r} is not a frozen scipy.stats distribution: call it with its parameters, "
@@ -94,12 +121,29 @@ def _from_scipy(frozen: Any) -> Any:
         raise ValueError(
             f"scipy.stats.{frozen.dist.name} with arrays of parameters: give one distribution each"
         )
+    called = f"scipy.stats.{frozen.dist.name}"
+    for what, value in zip(
+        ("loc", "scale", *_shape_names(frozen)), (loc, scale, *shapes), strict=True
+    ):
+        bounds: dict[str, Any] = {"above": 0.0} if what == "scale" else {}
+        # a bound of a truncated distribution may be infinite
+        real(f"{called}: {what}", value, finite=what in ("loc", "scale"), **bounds)
+    if not np.all(frozen.dist._argcheck(*shapes)):
+        raise ValueError(f"{scipy_name(frozen)}: the parameters make no distribution")
     family = _SCIPY_FAMILIES.get(frozen.dist.name)
     if family is not None:
-        candidate = family(ot, [float(s) for s in shapes], float(loc), float(scale))
-        if _agrees(candidate, frozen.ppf, frozen.cdf):
+        try:
+            candidate = family(ot, [float(s) for s in shapes], float(loc), float(scale))
+        except (TypeError, OverflowError, ZeroDivisionError):  # beyond what OpenTURNS takes
+            candidate = None
+        if candidate is not None and _agrees(candidate, frozen.ppf, frozen.cdf):
             return candidate
     return ot.Distribution(ot.SciPyDistribution(frozen))
+
+
+def _shape_names(frozen: Any) -> list[str]:
+    named = frozen.dist.shapes
+    return [name.strip() for name in named.split(",")] if named else []
 
 
 def _from_chaospy(distribution: Any) -> Any:
@@ -114,6 +158,12 @@ def _from_chaospy(distribution: Any) -> Any:
         return ot.JointDistribution([_from_chaospy(part) for part in distribution])
     if distribution.interpret_as_integer:
         raise ValueError(f"{distribution} is discrete: not supported")
+    try:
+        quartiles = np.ravel(distribution.inv([0.25, 0.5, 0.75]))
+    except AssertionError:  # how chaospy refuses parameters, once it is asked
+        quartiles = np.full(3, np.nan)
+    if not (np.isfinite(quartiles).all() and quartiles[0] < quartiles[1] < quartiles[2]):
+        raise ValueError(f"chaospy's {distribution}: its parameters make no distribution")
     family = _CHAOSPY_FAMILIES.get(type(distribution).__name__)
     if family is not None:
         lower, median = (float(np.ravel(distribution.inv(q))[0]) for q in (0.25, 0.5))

@@ -19,6 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from uqfold.checks import whole
+from uqfold.inputs.door import checked_marginal
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
 from uqfold.typing import FloatArray
 
 MAX_GAUSS_NODES = 64
@@ -45,7 +48,7 @@ def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
     Parameters
     ----------
     marginal
-        Continuous univariate OpenTURNS distribution.
+        A `Marginal`, or a continuous univariate OpenTURNS distribution.
     n
         Number of nodes, 1 to 64.
 
@@ -60,12 +63,13 @@ def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
         If `n` is out of range, or the rule does not exist (moments up to order 2 n - 1 missing)
         or is beyond double precision.
     """
-    if int(n) != n or not 1 <= n <= MAX_GAUSS_NODES:
-        raise ValueError(f"{n} quadrature nodes: give a whole number from 1 to {MAX_GAUSS_NODES}")
-    if _family(marginal) in _CLASSICAL:
-        nodes, weights = _classical_rule(marginal, int(n))
+    n = whole("n", n, at_least=1, at_most=MAX_GAUSS_NODES)
+    if not isinstance(marginal, Marginal):
+        marginal = checked_marginal(marginal, "marginal")
+    if isinstance(marginal, OpenTURNSMarginal) and _family(marginal.distribution) in _CLASSICAL:
+        nodes, weights = _classical_rule(marginal.distribution, n)
     else:
-        rule = _rule_of_measure(_discrete_measure(marginal), int(n))
+        rule = _rule_of_measure(_discrete_measure(marginal), n)
         if rule is None:
             raise ValueError(
                 f"no Gauss rule with {n} nodes for {marginal}: its moments up to order "
@@ -108,29 +112,21 @@ class _Measure(NamedTuple):
     open_high: bool
 
 
-def _discrete_measure(marginal: Any) -> _Measure:
-    import openturns as ot
+def _discrete_measure(marginal: Marginal) -> _Measure:
     from scipy.special import ndtri
 
-    levels = np.array([marginal.computeCDF(float(kink)) for kink in marginal.getSingularities()])
+    levels = marginal.cdf(marginal.kinks)
     kinks = ndtri(levels[(levels > 0.0) & (levels < 1.0)])
     edges = np.arange(-_REACH, _REACH + 0.5 * _PANEL, _PANEL)
     edges = np.unique(np.concatenate([edges, kinks[np.abs(kinks) < _REACH]]))
-    quantile = ot.MarginalTransformationEvaluation([ot.Normal()], [marginal])
     u, du = _panels(edges)
-    body = _values(quantile, u), du * np.exp(-0.5 * u * u) / np.sqrt(2.0 * np.pi)
-    first, second, last_but_one, last = _values(
-        quantile, np.array([-_REACH, -_REACH + _PANEL, _REACH - _PANEL, _REACH])
+    body = marginal.from_normal(u), du * np.exp(-0.5 * u * u) / np.sqrt(2.0 * np.pi)
+    first, second, last_but_one, last = marginal.from_normal(
+        np.array([-_REACH, -_REACH + _PANEL, _REACH - _PANEL, _REACH])
     )
-    bounds = marginal.getRange()
-    open_low = not bounds.getFiniteLowerBound()[0]
-    open_high = not bounds.getFiniteUpperBound()[0]
-    low, low_p = _tail(
-        marginal, first, first - second, None if open_low else bounds.getLowerBound()[0]
-    )
-    high, high_p = _tail(
-        marginal, last, last - last_but_one, None if open_high else bounds.getUpperBound()[0]
-    )
+    bottom, top = marginal.bounds
+    low, low_p = _tail(marginal, first, first - second, bottom)
+    high, high_p = _tail(marginal, last, last - last_but_one, top)
     points = np.concatenate([low[::-1], body[0], high])
     probabilities = np.concatenate([low_p[::-1], body[1], high_p])
     some = probabilities > 0.0
@@ -138,32 +134,23 @@ def _discrete_measure(marginal: Any) -> _Measure:
         raise ValueError(
             f"no Gauss rule for {marginal}: its density and its quantiles do not fit together"
         )
-    return _Measure(points[some], probabilities[some], open_low, open_high)
+    return _Measure(points[some], probabilities[some], np.isinf(bottom), np.isinf(top))
 
 
 def _tail(
-    marginal: Any, start: float, scale: float, bound: float | None
+    marginal: Marginal, start: float, scale: float, bound: float
 ) -> tuple[FloatArray, FloatArray]:
     """Points, outwards from `start` in panels that grow with the distance, and probabilities."""
     edges = start + scale * np.expm1(_PANEL * np.arange(_TAIL_PANELS + 1))
-    if bound is not None:
+    if np.isfinite(bound):
         edges = np.append(edges[(edges - bound) * np.sign(scale) < 0.0], bound)
     if edges.size < 2:
         return np.empty(0), np.empty(0)
     with np.errstate(all="ignore"):  # a wrapped density may overflow where it vanishes
-        positive = _values(marginal.computePDF, edges[1:-1]) > 0.0
+        positive = marginal.pdf(edges[1:-1]) > 0.0
         x, dx = _panels(edges[: 2 + int(np.argmin(np.append(positive, False)))])
-        density = _values(marginal.computePDF, x)
+        density = marginal.pdf(x)
     return x, np.abs(dx) * np.where(density > 0.0, density, 0.0)
-
-
-def _values(function: Any, x: FloatArray) -> FloatArray:
-    """Values of an OpenTURNS function of one variable."""
-    import openturns as ot
-
-    if x.size == 0:
-        return x
-    return np.array(function(ot.Sample(x[:, None])), dtype=np.float64).ravel()
 
 
 def _panels(edges: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,35 +12,44 @@ Rosenblatt M. Remarks on a multivariate transformation. Ann. Math. Statist. 23 (
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from uqfold.checks import names as checked_names
+from uqfold.checks import real, refused
 from uqfold.inputs.convert import as_openturns
+from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.gauss import gauss_rule
-from uqfold.inputs.moments import moments, with_moments
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, beyond, called
+from uqfold.inputs.parts import Parts, check_part, taken_apart
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 _DEFAULT_NAME = re.compile(r"X\d+")
 """What OpenTURNS calls the components of a distribution that nobody named."""
 
+_FIRST_ROWS, _MOST_ROWS = 64, 1 << 16
+_BLOCK_SECONDS = 0.25
+"""Rows are mapped in blocks of about so many seconds, between which a time limit is looked at."""
+
 
 def normal(mean: float, std: float) -> Any:
-    """Give a normal marginal distribution.
+    """Return a normal marginal distribution.
 
     Raises
     ------
-    ValueError
-        If `std` is not positive or a value is not finite.
+    ValueError, TypeError
+        If `std` is not positive or a value is no finite number.
     """
-    if not (np.isfinite(mean) and np.isfinite(std) and std > 0):
-        raise ValueError(f"normal({mean}, {std}): the mean must be finite and std > 0")
+    mean, std = real("mean", mean), real("std", std, above=0.0)
     import openturns as ot
 
-    return ot.Normal(float(mean), float(std))
+    return ot.Normal(mean, std)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,21 +58,20 @@ class JointInputs:
 
     Attributes
     ----------
-    distribution
-        OpenTURNS distribution of dimension d, columns in that order.
+    parts
+        The marginals and what depends on each other, columns in that order.
+    columns
+        The d inputs one by one, checked.
     names
         The d input names, all different.
     n_shared
         How many of the columns, counted from the left, are shared.
     """
 
-    distribution: Any
+    parts: Parts
+    columns: tuple[Marginal, ...]
     names: tuple[str, ...]
     n_shared: int
-
-    def __post_init__(self) -> None:
-        if len(set(self.names)) != len(self.names):
-            raise ValueError(f"input names {list(self.names)} are not all different")
 
     @property
     def dimension(self) -> int:
@@ -85,56 +93,76 @@ class JointInputs:
         """Names of the individual inputs."""
         return self.names[self.n_shared :]
 
-    @cached_property
+    @property
     def independent(self) -> bool:
         """Whether all inputs are mutually independent."""
-        return bool(self.distribution.hasIndependentCopula())
+        return not self.parts.dependent
+
+    @property
+    def marginals(self) -> tuple[Any, ...]:
+        """The d marginal distributions in OpenTURNS form; `columns` computes them rightly."""
+        return self.parts.marginals
 
     @cached_property
-    def marginals(self) -> tuple[Any, ...]:
-        """The d OpenTURNS marginal distributions."""
-        return tuple(self.distribution.getMarginal(i) for i in range(self.dimension))
+    def distribution(self) -> Any:
+        """OpenTURNS distribution of dimension d, columns in this order."""
+        return self.parts.joined()
+
+    @property
+    def conditioning(self) -> tuple[tuple[str, ...], ...]:
+        """For each input the names of those before it that it depends on (Rosenblatt order)."""
+        found: list[tuple[str, ...]] = [()] * self.dimension
+        for part in self.parts.dependent:
+            for i, column in enumerate(part.columns):
+                found[column] = tuple(self.names[before] for before in part.columns[:i])
+        return tuple(found)
+
+    @cached_property
+    def _free(self) -> list[int]:
+        """Columns that depend on nothing."""
+        linked = {column for part in self.parts.dependent for column in part.columns}
+        return [i for i in range(self.dimension) if i not in linked]
+
+    @cached_property
+    def _quick(self) -> list[int]:
+        """Free columns that OpenTURNS maps by itself, all in one call."""
+        return [
+            i
+            for i in self._free
+            if isinstance(column := self.columns[i], OpenTURNSMarginal) and not column.python
+        ]
 
     @cached_property
     def _from_normal(self) -> Any:
-        import openturns as ot
-
-        if self.independent:
-            standard = [ot.Normal(0.0, 1.0)] * self.dimension
-            return ot.Function(ot.MarginalTransformationEvaluation(standard, list(self.marginals)))
-        return ot.Function(ot.InverseRosenblattEvaluation(self.distribution))
+        return self._in_one_call(from_normal=True)
 
     @cached_property
     def _to_normal(self) -> Any:
+        return self._in_one_call(from_normal=False)
+
+    def _in_one_call(self, *, from_normal: bool) -> Any:
         import openturns as ot
 
-        if self.independent:
-            standard = [ot.Normal(0.0, 1.0)] * self.dimension
-            return ot.Function(ot.MarginalTransformationEvaluation(list(self.marginals), standard))
-        return ot.Function(ot.RosenblattEvaluation(self.distribution))
+        standard = [ot.Normal(0.0, 1.0)] * len(self._quick)
+        own = [self.marginals[i] for i in self._quick]
+        given, wanted = (standard, own) if from_normal else (own, standard)
+        return ot.Function(ot.MarginalTransformationEvaluation(given, wanted))
 
     @cached_property
     def means(self) -> FloatArray:
         """Means (d,) of the inputs, in their own units."""
-        return np.array([moments(marginal)[0] for marginal in self.marginals])
+        return np.array([column.moments[0] for column in self.columns])
 
     @cached_property
     def standard_deviations(self) -> FloatArray:
         """Standard deviations (d,) of the inputs, in their own units."""
-        return np.array([moments(marginal)[1] for marginal in self.marginals])
+        return np.array([column.moments[1] for column in self.columns])
 
     @cached_property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds of the inputs, each (d,); infinite where there is none."""
-        ranges = [marginal.getRange() for marginal in self.marginals]
-        return (
-            np.array(
-                [r.getLowerBound()[0] if r.getFiniteLowerBound()[0] else -np.inf for r in ranges]
-            ),
-            np.array(
-                [r.getUpperBound()[0] if r.getFiniteUpperBound()[0] else np.inf for r in ranges]
-            ),
-        )
+        both = np.array([column.bounds for column in self.columns], dtype=np.float64)
+        return both[:, 0], both[:, 1]
 
     def from_standard_normal(self, u: FloatArray) -> FloatArray:
         """Map standard-normal rows to inputs (inverse Rosenblatt transformation).
@@ -153,8 +181,10 @@ class JointInputs:
         ------
         ValueError
             If `u` has another number of columns.
+        uqfold.evaluation.TimeLimitError
+            If the time of the estimate under way is over.
         """
-        return self._mapped("u", u, self._from_normal)
+        return self._mapped("u", u, self._block_from_normal)
 
     def to_standard_normal(self, x: FloatArray) -> FloatArray:
         """Map inputs to standard-normal rows (Rosenblatt transformation).
@@ -174,29 +204,90 @@ class JointInputs:
         ------
         ValueError
             If `x` has another number of columns.
+        uqfold.evaluation.TimeLimitError
+            If the time of the estimate under way is over.
         """
-        u = self._mapped("x", x, self._to_normal)
-        low, high = self.bounds
-        u[x < low] = -np.inf
-        u[x > high] = np.inf
+        return self._mapped("x", x, self._block_to_normal)
+
+    def _block_from_normal(self, u: FloatArray) -> FloatArray:
+        x = np.empty(u.shape)
+        if self._quick:
+            x[:, self._quick] = _rows(self._from_normal, u[:, self._quick])
+        for i in self._free:
+            if i not in self._quick:
+                x[:, i] = self.columns[i].from_normal(u[:, i])
+        for part in self.parts.dependent:
+            own = list(part.columns)
+            x[:, own] = part.values(u[:, own], [self.columns[i] for i in own])
+        return x
+
+    def _block_to_normal(self, x: FloatArray) -> FloatArray:
+        u = np.empty(x.shape)
+        if self._quick:
+            u[:, self._quick] = _rows(self._to_normal, x[:, self._quick])
+        for i in self._free:
+            if i not in self._quick:
+                u[:, i] = self.columns[i].to_normal(x[:, i])
+        for part in self.parts.dependent:
+            own = list(part.columns)
+            u[:, own] = part.normals(x[:, own], [self.columns[i] for i in own])
+        for i, column in enumerate(self.columns):
+            u[:, i] = beyond(column.bounds, x[:, i], u[:, i])
         return u
 
-    def _mapped(self, name: str, rows: FloatArray, function: Any) -> FloatArray:
+    def _mapped(
+        self, name: str, rows: FloatArray, block: Callable[[FloatArray], FloatArray]
+    ) -> FloatArray:
         rows = np.asarray(rows, dtype=np.float64)
         if rows.ndim != 2 or rows.shape[1] != self.dimension:
             raise ValueError(f"{name} has shape {rows.shape}, expected (n, {self.dimension})")
-        if rows.shape[0] == 0:
-            return np.empty((0, self.dimension))
-        import openturns as ot
+        mapped = np.empty(rows.shape)
+        quick = len(self._quick) == self.dimension
+        start, size = 0, _MOST_ROWS if quick else _FIRST_ROWS
+        while start < len(rows):
+            check_time()
+            began = time.perf_counter()
+            mapped[start : start + size] = block(rows[start : start + size])
+            spent = time.perf_counter() - began
+            start += size
+            share = _BLOCK_SECONDS / max(spent, 1e-9)
+            size = int(np.clip(size * min(share, 8.0), 1, _MOST_ROWS))
+        return mapped
 
-        return np.array(function(ot.Sample(rows)), dtype=np.float64)
+    def log_density(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Logarithm of the density at rows X.
+
+        Parameters
+        ----------
+        x
+            Inputs X (n, d).
+
+        Returns
+        -------
+        of_shared, of_individual
+            Each (n,): of the shared inputs, and of the individual ones given these.
+        """
+        shared, all_of_them = np.zeros(len(x)), np.zeros(len(x))
+        for i in self._free:
+            alone = self.columns[i].log_pdf(x[:, i])
+            all_of_them += alone
+            if i < self.n_shared:
+                shared += alone
+        for part in self.parts.dependent:
+            own = list(part.columns)
+            columns = [self.columns[i] for i in own]
+            all_of_them += part.log_density(x[:, own], columns)
+            first = [i for i in own if i < self.n_shared]
+            if first:
+                shared += part.log_density(x[:, first], columns)
+        return shared, all_of_them - shared
 
     def with_moments(
         self,
         means: Mapping[str, float] | None = None,
         standard_deviations: Mapping[str, float] | None = None,
     ) -> JointInputs:
-        """Give the same inputs with other means or standard deviations; the copula stays.
+        """Return the same inputs with other means or standard deviations; the copula stays.
 
         A normal, lognormal, gamma, Weibull or beta marginal keeps its family and bounds; any
         other one is shifted and stretched.
@@ -211,24 +302,17 @@ class JointInputs:
         ValueError
             If a name is not one of the inputs, or a distribution cannot have these moments.
         """
-        import openturns as ot
-
-        means, stds = dict(means or {}), dict(standard_deviations or {})
-        unknown = [name for name in (*means, *stds) if name not in self.names]
-        if unknown:
-            raise ValueError(f"{unknown[0]!r} is not one of the inputs {list(self.names)}")
-        marginals = list(self.marginals)
-        for column, name in enumerate(self.names):
+        means = _changes("means", means, self.names)
+        stds = _changes("standard_deviations", standard_deviations, self.names)
+        columns = list(self.columns)
+        for i, name in enumerate(self.names):
             if name in means or name in stds:
-                mean, std = moments(marginals[column])
-                marginals[column] = with_moments(
-                    marginals[column], means.get(name, mean), stds.get(name, std)
-                )
-        if self.independent:
-            joint = ot.JointDistribution(marginals)
-        else:
-            joint = ot.JointDistribution(marginals, self.distribution.getCopula())
-        return JointInputs(joint, self.names, self.n_shared)
+                mean, std = columns[i].moments
+                moved = columns[i].with_moments(means.get(name, mean), stds.get(name, std))
+                columns[i] = checked_marginal(moved, name)
+        marginals = tuple(column.distribution for column in columns)
+        parts = Parts(marginals, self.parts.dependent)
+        return JointInputs(parts, tuple(columns), self.names, self.n_shared)
 
     def sample(self, rng: np.random.Generator, size: int) -> FloatArray:
         """Draw `size` independent rows X (size, d)."""
@@ -255,7 +339,7 @@ class JointInputs:
             If `n` is out of range, or the marginal has no such rule (moments missing, or beyond
             double precision).
         """
-        return gauss_rule(self.marginals[column], n)
+        return gauss_rule(self.columns[column], n)
 
     def __repr__(self) -> str:
         shared = ", ".join(self.shared_names) or "none"
@@ -277,22 +361,18 @@ def product_inputs(
     Raises
     ------
     ValueError
-        If there is no input at all, or a name occurs twice.
+        If there is no input at all, a name occurs twice, or an input cannot be computed.
     """
-    import openturns as ot
-
-    blocks = [as_openturns(part) for part in (shared, individual) if part is not None]
-    if not blocks:
+    given = [part for part in (shared, individual) if part is not None]
+    if not given:
         raise ValueError("no inputs: give shared=, individual= or inputs=")
+    blocks = [as_openturns(part) for part in given]
+    own = [_Names.of(part, block) for part, block in zip(given, blocks, strict=True)]
+    parts = Parts((), ())
+    for block in blocks:
+        parts = parts.followed_by(taken_apart(block))
     n_shared = blocks[0].getDimension() if shared is not None else 0
-    marginals = [b.getMarginal(i) for b in blocks for i in range(b.getDimension())]
-    own_names = [str(name) for b in blocks for name in b.getDescription()]
-    if all(block.hasIndependentCopula() for block in blocks):
-        joint = ot.JointDistribution(marginals)
-    else:
-        copula = ot.BlockIndependentCopula([block.getCopula() for block in blocks])
-        joint = ot.JointDistribution(marginals, copula)
-    return JointInputs(joint, _resolve_names(names, own_names), n_shared)
+    return _assembled(parts, _resolved(names, own), n_shared)
 
 
 def joint_inputs(
@@ -312,31 +392,79 @@ def joint_inputs(
     Raises
     ------
     ValueError
-        If a shared name is not among the inputs, or a name occurs twice.
+        If a shared name is not among the inputs, a name occurs twice, or an input or the
+        dependence cannot be computed.
     """
     distribution = as_openturns(inputs)
-    given = _resolve_names(names, [str(name) for name in distribution.getDescription()])
+    given = _resolved(names, [_Names.of(inputs, distribution)])
+    shared = checked_names("shared", shared)
     unknown = [name for name in shared if name not in given]
     if unknown:
         raise ValueError(f"shared input {unknown[0]!r} is not one of the inputs {list(given)}")
-    if len(set(shared)) != len(shared):
-        raise ValueError(f"shared inputs {list(shared)} are named twice")
     order = [given.index(name) for name in shared]
     order += [i for i, name in enumerate(given) if name not in shared]
+    parts = taken_apart(distribution)
     if order != sorted(order):
-        distribution = distribution.getMarginal(order)
-    return JointInputs(distribution, tuple(given[i] for i in order), len(shared))
+        parts = parts.chosen(order)
+    return _assembled(parts, tuple(given[i] for i in order), len(shared))
 
 
-def _resolve_names(given: Sequence[str] | None, own: list[str]) -> tuple[str, ...]:
+def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:
+    """Let the inputs in, one by one and then what depends on each other."""
+    columns = tuple(
+        checked_marginal(marginal, name)
+        for marginal, name in zip(parts.marginals, names, strict=True)
+    )
+    for part in parts.dependent:
+        own = part.columns
+        check_part(part, [columns[i] for i in own], [names[i] for i in own])
+    return JointInputs(parts, columns, names, n_shared)
+
+
+def _rows(function: Any, rows: FloatArray) -> FloatArray:
+    import openturns as ot
+
+    return np.array(called(function, ot.Sample(rows), python=False), dtype=np.float64)
+
+
+def _changes(
+    argument: str, given: Mapping[str, float] | None, names: tuple[str, ...]
+) -> dict[str, float]:
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise refused(argument, given, "give a mapping from names to values", TypeError)
+    for name in given:
+        if name not in names:
+            raise ValueError(f"{name!r} is not one of the inputs {list(names)}")
+    return {name: real(f"{argument}[{name!r}]", value) for name, value in given.items()}
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Names that one distribution carries, and whether somebody gave them."""
+
+    own: tuple[str, ...]
+    by_hand: bool
+
+    @classmethod
+    def of(cls, given: Any, distribution: Any) -> _Names:
+        """Names of a distribution; those of a mapping, or off their default places, are given."""
+        own = tuple(str(name) for name in distribution.getDescription())
+        default = all(_DEFAULT_NAME.fullmatch(name) for name in own)
+        return cls(own, isinstance(given, Mapping) or not default)
+
+
+def _resolved(given: Sequence[str] | None, blocks: Sequence[_Names]) -> tuple[str, ...]:
+    own = [name for block in blocks for name in block.own]
     if given is not None:
-        if len(given) != len(own):
-            raise ValueError(f"{len(given)} names for {len(own)} inputs: {list(given)}")
-        return tuple(given)
-    twice = [name for name in own if own.count(name) > 1]
-    if not twice:
+        wanted = checked_names("names", given)
+        if len(wanted) != len(own):
+            raise ValueError(f"{len(wanted)} names for {len(own)} inputs: {list(wanted)}")
+        return wanted
+    twice = next((name for i, name in enumerate(own) if name in own[:i]), None)
+    if twice is None:
         return tuple(own)
-    given_by_hand = [name for name in twice if not _DEFAULT_NAME.fullmatch(name)]
-    if given_by_hand:
-        raise ValueError(f"input {given_by_hand[0]!r} is named twice: {own}")
+    if any(block.by_hand for block in blocks if twice in block.own):
+        raise ValueError(f"input {twice!r} is named twice: {own}; give each another, or names=")
     return tuple(f"x{i + 1}" for i in range(len(own)))

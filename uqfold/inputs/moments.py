@@ -37,7 +37,7 @@ def with_moments(marginal: Any, mean: float, std: float) -> Any:
     """
     if not (math.isfinite(mean) and math.isfinite(std) and std > 0.0):
         raise ValueError(f"mean {mean}, standard deviation {std}: must be finite, the latter > 0")
-    own_mean, own_std = moments(marginal)
+    own_mean, own_std = finite_moments(marginal)
     own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
     make = _FAMILIES.get(str(own.getClassName()))
     if make is not None:
@@ -47,12 +47,12 @@ def with_moments(marginal: Any, mean: float, std: float) -> Any:
             raise ValueError(
                 f"{marginal} cannot have mean {mean:g} and standard deviation {std:g}"
             ) from error
-        if np.allclose(moments(made), (mean, std), rtol=_ROUNDING, atol=_ROUNDING * std):
+        if np.allclose(finite_moments(made), (mean, std), rtol=_ROUNDING, atol=_ROUNDING * std):
             return made
     return (marginal - own_mean) * (std / own_std) + mean
 
 
-def moments(marginal: Any) -> tuple[float, float]:
+def finite_moments(marginal: Any) -> tuple[float, float]:
     """Mean and standard deviation of a marginal.
 
     Raises

@@ -12,7 +12,7 @@ Optimization by the Score Function Method. Wiley, 1993.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -58,36 +58,20 @@ class ScoreFunction:
             Each (n,): the part of the density of the shared inputs, and that of the density of
             the individual inputs given the shared ones.
         """
-        n_shared = self.above.n_shared
         if self.above.independent:
-            column = x[:, [self.column]]
-            score = self._difference(
-                self.above.marginals[self.column], self.below.marginals[self.column], column
-            )
-            nothing = np.zeros(len(x))
-            return (score, nothing) if self.column < n_shared else (nothing, score)
-        joint = self._difference(self.above.distribution, self.below.distribution, x)
-        if n_shared == 0:
-            return np.zeros(len(x)), joint
-        if n_shared == self.above.dimension:
-            return joint, np.zeros(len(x))
-        columns = list(range(n_shared))
-        shared = self._difference(
-            self.above.distribution.getMarginal(columns),
-            self.below.distribution.getMarginal(columns),
-            x[:, :n_shared],
-        )
-        return shared, joint - shared
+            values = x[:, self.column]
+            logs = (part.columns[self.column].log_pdf(values) for part in (self.above, self.below))
+            score, nothing = self._difference(*logs), np.zeros(len(x))
+            return (score, nothing) if self.column < self.above.n_shared else (nothing, score)
+        above, below = self.above.log_density(x), self.below.log_density(x)
+        return self._difference(above[0], below[0]), self._difference(above[1], below[1])
 
-    def _difference(self, above: Any, below: Any, x: FloatArray) -> FloatArray:
-        logs = [
-            np.array(part.computeLogPDF(x), dtype=np.float64).ravel() for part in (above, below)
-        ]
-        return np.asarray((logs[0] - logs[1]) / self.width)
+    def _difference(self, above: FloatArray, below: FloatArray) -> FloatArray:
+        return np.asarray((above - below) / self.width)
 
 
 def score_function(inputs: JointInputs, name: str, moment: Moment) -> ScoreFunction:
-    """Give the score of the mean or the standard deviation of one input.
+    """Return the score of the mean or the standard deviation of one input.
 
     What a change of the moment does to the distribution: see `JointInputs.with_moments`.
 
@@ -102,7 +86,7 @@ def score_function(inputs: JointInputs, name: str, moment: Moment) -> ScoreFunct
     for bound, other in zip(above.bounds, below.bounds, strict=True):
         if _distance(bound[column], other[column]) > 1e-9 * inputs.standard_deviations[column]:
             raise ValueError(
-                f"a bound of {name} = {inputs.marginals[column]} moves with its {moment}, so there "
+                f"a bound of {name} = {inputs.columns[column]} moves with its {moment}, so there "
                 "is no score function; give a distribution whose bounds do not move"
             )
     width = 2.0 * _STEP * float(inputs.standard_deviations[column])
@@ -110,7 +94,7 @@ def score_function(inputs: JointInputs, name: str, moment: Moment) -> ScoreFunct
 
 
 def moved_inputs(inputs: JointInputs, name: str, moment: Moment, steps: float) -> JointInputs:
-    """Give the inputs with one moment of one input moved by so many of its standard deviations.
+    """Return the inputs with one moment of one input moved by so many of its standard deviations.
 
     Raises
     ------

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, TypeAlias, get_args
+from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from uqfold.checks import choice, flag, keep, whole
 from uqfold.inputs import JointInputs
+from uqfold.inputs.marginal import Marginal
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
@@ -150,7 +151,7 @@ class PolynomialChaos(SequentialMethod):
     def _standard_nodes(self, inputs: JointInputs, x: FloatArray) -> FloatArray:
         """Nodes of the factorial design in standard-normal space, in the order of its rows x."""
         if inputs.independent:
-            columns = zip(inputs.marginals, x.T, strict=True)
+            columns = zip(inputs.columns, x.T, strict=True)
             return np.column_stack(
                 [_normal_scores(marginal, values) for marginal, values in columns]
             )
@@ -168,10 +169,9 @@ def _repeated(nodes: Nodes, n_variables: int) -> tuple[int, ...]:
     return (nodes,) * n_variables if isinstance(nodes, int) else nodes
 
 
-def _normal_scores(marginal: Any, x: FloatArray) -> FloatArray:
+def _normal_scores(marginal: Marginal, x: FloatArray) -> FloatArray:
     """Standard-normal variable of a marginal's values x (n,), each from its own tail."""
     from scipy.special import ndtri
 
-    below = np.array(marginal.computeCDF(x[:, None])).ravel()
-    above = np.array(marginal.computeComplementaryCDF(x[:, None])).ravel()
+    below, above = marginal.cdf(x), marginal.sf(x)
     return np.asarray(np.where(below < 0.5, ndtri(below), -ndtri(above)))

@@ -1,0 +1,123 @@
+"""Checks of an input before it is let in: quantiles in the support, and back to where they were.
+
+A distribution whose quantiles leave its support, or whose distribution function does not lead
+back from a quantile, draws something else than it says. It is replaced where we have a form of our
+own that passes, and refused where we have none.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from uqfold.inputs.laws import replacement, wrapped
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
+
+_LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0])
+"""Where the way back is tried on both sides: to probabilities of 1e-9."""
+_FURTHEST = 8.0
+"""So far out a quantile must lie in the support: probabilities of 6e-16."""
+_EXACT = (1e-4, 4e-16)
+_NUMERICAL = (1e-3, 1e-9)
+"""Relative and absolute error of a probability on the way back, the latter also of a quantile as a
+share of the spread: where there is a form of ours that keeps it, and the most that is let in."""
+_TINY = 2.3e-308
+
+
+def checked_marginal(distribution: Any, name: str) -> Marginal:
+    """Return one input, checked, in a form that computes its quantiles rightly.
+
+    Parameters
+    ----------
+    distribution
+        Continuous univariate OpenTURNS distribution.
+    name
+        What messages call it.
+
+    Raises
+    ------
+    ValueError
+        If it does not pass, and there is no other form of it that does.
+    """
+    first = wrapped(distribution) or OpenTURNSMarginal(distribution)
+    if _fault(first, _EXACT) is None:
+        return first
+    other = replacement(distribution)
+    if other is not None and _fault(other, _EXACT) is None:
+        return other
+    fault = _fault(first, _NUMERICAL)
+    if fault is None:
+        return first
+    raise ValueError(
+        f"input {name!r} = {first}: {fault}; give parameters within double precision, or another "
+        "distribution"
+    )
+
+
+def _fault(marginal: Marginal, errors: tuple[float, float]) -> str | None:
+    """Say what is wrong with a marginal, or None."""
+    try:
+        with np.errstate(all="ignore"):
+            return _found_fault(marginal, *errors)
+    except (RuntimeError, TypeError, ValueError, ArithmeticError) as error:
+        return f"its distribution function or its quantiles fail ({error})"
+
+
+def _found_fault(marginal: Marginal, relative: float, absolute: float) -> str | None:
+    from scipy.special import ndtr
+
+    low, high = marginal.bounds
+    if not low < high:
+        return f"its bounds [{low:g}, {high:g}] leave nothing between"
+    u = np.concatenate([[-_FURTHEST], -_LEVELS[:0:-1], _LEVELS, [_FURTHEST]])
+    x = marginal.from_normal(u)
+    if np.isnan(x).any():
+        return "its quantiles are no numbers"
+    if not np.isfinite(x).all():
+        at = u[np.argmax(~np.isfinite(x))]
+        return f"its quantile of the {_level(at)} is infinite"
+    outside = (x < low - _slack(low)) | (x > high + _slack(high))
+    if outside.any():
+        i = int(np.argmax(outside))
+        return f"its quantile of the {_level(u[i])} is {x[i]:g}, outside [{low:g}, {high:g}]"
+    if (np.diff(x) < -_slack(x[1:])).any() or x[0] == x[-1]:
+        return "its quantiles do not increase"
+    u, x = u[1:-1], x[1:-1]
+    step = _slack(x) + absolute * (np.interp(1.0, u, x) - np.interp(-1.0, u, x))
+    upper = u > 0.0
+    p = ndtr(-np.abs(u))
+    near, far = x + np.where(upper, -step, step), x + np.where(upper, step, -step)
+    tails = [np.where(upper, marginal.sf(at), marginal.cdf(at)) for at in (near, far)]
+    for found, sign in zip(tails, (1.0, -1.0), strict=True):
+        wrong = ~(sign * (found - p) >= -(relative * p + absolute))
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            return (
+                f"its quantile of the {_level(u[i])} is {x[i]:g}, where its probability is "
+                f"{found[i]:.3g}"
+            )
+    # a jump is an atom, unless the density explains it, or a bound where it may be infinite
+    density = np.max([marginal.pdf(at) for at in (near, x, far)], axis=0)
+    explained = relative * p + absolute + 10.0 * density * step
+    jump = (tails[0] - tails[1] > explained) & (x - low > step) & (high - x > step)
+    if jump.any():
+        i = int(np.argmax(jump))
+        return f"its distribution function jumps by {(tails[0] - tails[1])[i]:.2g} at {x[i]:g}"
+    whole = marginal.cdf(x) + marginal.sf(x)
+    if not np.abs(whole - 1.0).max() <= relative + 1e-9:
+        return f"its lower and upper probabilities add up to {whole[np.argmax(abs(whole - 1.0))]:g}"
+    return None
+
+
+def _level(u: float) -> str:
+    from scipy.special import ndtr
+
+    return f"{'lower' if u <= 0.0 else 'upper'} probability {ndtr(-abs(u)):.2g}"
+
+
+def _slack(x: Any) -> Any:
+    """A few units in the last place: two values so near are one to double precision."""
+    x = np.abs(np.asarray(x, dtype=np.float64))
+    finite = np.where(np.isfinite(x), x, 1.0)
+    return 4.0 * np.spacing(finite) + _TINY
