@@ -39,7 +39,8 @@ def with_moments(marginal: Any, mean: float, std: float) -> Any:
         raise ValueError(f"mean {mean}, standard deviation {std}: must be finite, the latter > 0")
     own_mean, own_std = finite_moments(marginal)
     own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
-    make = _FAMILIES.get(str(own.getClassName()))
+    # what is written in Python has no class name
+    make = _FAMILIES.get(str(own.getClassName())) if hasattr(own, "getClassName") else None
     if make is not None:
         try:
             made = make(own, mean, std)
