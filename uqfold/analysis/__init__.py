@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
+    from uqfold.analysis.conditional_indices import conditional_sobol
     from uqfold.analysis.derivatives_by_simulation import score_derivatives
     from uqfold.analysis.derivatives_by_surface import surface_derivatives
     from uqfold.analysis.design import Design, Scan
@@ -26,6 +27,7 @@ __all__ = [
     "SobolIndices",
     "Verification",
     "chaos_sobol",
+    "conditional_sobol",
     "design_input",
     "design_threshold",
     "design_thresholds",
@@ -55,6 +57,7 @@ __getattr__, __dir__ = lazy_exports(
         "SobolIndex": "uqfold.analysis.sobol",
         "SobolIndices": "uqfold.analysis.sobol",
         "chaos_sobol": "uqfold.analysis.sobol",
+        "conditional_sobol": "uqfold.analysis.conditional_indices",
         "pick_freeze": "uqfold.analysis.sobol",
         "score_derivatives": "uqfold.analysis.derivatives_by_simulation",
         "surface_derivatives": "uqfold.analysis.derivatives_by_surface",

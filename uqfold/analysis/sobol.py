@@ -6,7 +6,9 @@ B and on A with one column of B after the other; scrambled repetitions give its 
 are several shared inputs, they also have one index together: the correlation of the responses of
 two units of one system.
 
-With dependent inputs the indices are those of the variables of the Rosenblatt transformation.
+With dependent inputs the indices are those of the variables of the Rosenblatt transformation, each
+an input given those before it, and change with the order of the columns. They are named so, and a
+warning says it; `conditional_sobol` has the indices that do not.
 
 References
 ----------
@@ -20,6 +22,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Literal, TypeAlias
@@ -30,7 +33,8 @@ from uqfold.algebra import one_blas_thread
 from uqfold.analysis.affordable import check_affordable
 from uqfold.analysis.fitted_surface import fit_surface
 from uqfold.checks import instance, or_none, refused, whole
-from uqfold.evaluation import Evaluator
+from uqfold.evaluation import EvaluationSession, Evaluator
+from uqfold.inputs import JointInputs
 from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_problem
 from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import ErrorKind
@@ -59,7 +63,8 @@ class SobolIndex:
     Attributes
     ----------
     input
-        Name of the input, or `ALL_SHARED`.
+        Name of the input, or `ALL_SHARED`. Where inputs are dependent, the variable of the
+        Rosenblatt transformation: "L given D".
     shared
         Whether it is shared by the units.
     order
@@ -71,7 +76,7 @@ class SobolIndex:
     error_kind
         What the error covers: ``sampling`` or ``surrogate``.
     method
-        ``pick-freeze`` or ``pce``.
+        ``pick-freeze``, ``pce`` or ``conditional``.
     """
 
     input: str
@@ -153,9 +158,7 @@ def pick_freeze(
     """
     started = time.perf_counter()
     checked_problem(problem)
-    samples = whole("samples", samples, at_least=4, what="power of two")
-    if samples & (samples - 1):
-        raise refused("samples", samples, "give a power of two >= 4")
+    samples = checked_samples(samples)
     repetitions = whole("repetitions", repetitions, at_least=3)
     inputs = problem.inputs
     seed = reduced_seed(rng)
@@ -163,25 +166,20 @@ def pick_freeze(
     points = _points(inputs.dimension, inputs.n_shared)
     session.expected = repetitions * samples * points
     check_affordable(session, session.expected)
+    warn_of_order(inputs)
     found, moments = [], []
     for block in range(repetitions):
         u = _design(samples, inputs.dimension, inputs.n_shared, block_generator(seed, block))
-        y = session.evaluate(inputs.from_standard_normal(u))
-        if not np.isfinite(y).all():
-            bad = int((~np.isfinite(y)).sum())
-            raise ValueError(
-                f"{bad} of {y.size} responses are infinite or failed: the response has no "
-                "variance to share out"
-            )
+        y = responses_with_variance(session, inputs.from_standard_normal(u))
         found.append(_indices(y, inputs.dimension, inputs.n_shared))
         both = y[: 2 * samples]
         moments.append((both.mean(), both.std()))
     values = np.array(found)
     mean, std = np.mean(moments, axis=0)
     return SobolIndices(
-        rows=_rows(
-            problem, values.mean(axis=0), values.std(axis=0, ddof=1) / math.sqrt(repetitions),
-            _student(repetitions - 1), "sampling", PICK_FREEZE,
+        rows=labelled_rows(
+            inputs, values.mean(axis=0), values.std(axis=0, ddof=1) / math.sqrt(repetitions),
+            student_quantile(repetitions - 1), "sampling", PICK_FREEZE, _variables(inputs),
         ),
         mean=float(mean),
         std=float(std),
@@ -223,6 +221,7 @@ def chaos_sobol(
         If the model runs allow no expansion.
     """
     started = time.perf_counter()
+    warn_of_order(checked_problem(problem).inputs)
     wanted = "give PolynomialChaos(...)"
     chosen = or_none("method", method, instance, PolynomialChaos, wanted) or PolynomialChaos()
     # which criterion is asked for does not matter: it is the surface that is wanted
@@ -241,13 +240,74 @@ def chaos_sobol(
     changes = np.array([_indices(y, d, n_shared) - own for y in paths])
     errors = fitted.overconfidence * np.sqrt(np.mean(changes**2, axis=0))
     return SobolIndices(
-        rows=_rows(problem, _of_expansion(expansion, n_shared), errors, 1.96, "surrogate", "pce"),
+        rows=labelled_rows(
+            problem.inputs,
+            _of_expansion(expansion, n_shared),
+            errors,
+            1.96,
+            "surrogate",
+            "pce",
+            _variables(problem.inputs),
+        ),
         mean=expansion.mean_response,
         std=math.sqrt(expansion.variance),
         n_evals=fitted.result.n_evals,
         n_reused=fitted.result[0].n_reused,
         seconds=time.perf_counter() - started,
         seed=fitted.result.seed,
+    )
+
+
+def checked_samples(samples: int) -> int:
+    """Return a power of two, at least 4.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If it is none.
+    """
+    samples = whole("samples", samples, at_least=4, what="power of two")
+    if samples & (samples - 1):
+        raise refused("samples", samples, "give a power of two >= 4")
+    return samples
+
+
+def responses_with_variance(session: EvaluationSession, x: FloatArray) -> FloatArray:
+    """Responses (n,) of rows X, all of them finite.
+
+    Raises
+    ------
+    ValueError
+        If one is infinite or a run failed.
+    """
+    y = session.evaluate(x)
+    if not np.isfinite(y).all():
+        bad = int((~np.isfinite(y)).sum())
+        raise ValueError(
+            f"{bad} of {y.size} responses are infinite or failed: the response has no "
+            "variance to share out"
+        )
+    return y
+
+
+def warn_of_order(inputs: JointInputs) -> None:
+    """Warn that indices of dependent inputs change with the order of the columns."""
+    if not inputs.independent:
+        variables = [name for name in _variables(inputs) if name not in inputs.names]
+        warnings.warn(
+            "the inputs are dependent: these Sobol' indices are those of the variables "
+            f"{', '.join(variables)} of the Rosenblatt transformation, and change with the order "
+            "of the columns; conditional_sobol has indices of the inputs that do not",
+            UserWarning,
+            stacklevel=3,
+        )
+
+
+def _variables(inputs: JointInputs) -> tuple[str, ...]:
+    """What the variables of the Rosenblatt transformation are: inputs, given those before."""
+    return tuple(
+        f"{name} given {', '.join(before)}" if before else name
+        for name, before in zip(inputs.names, inputs.conditioning, strict=True)
     )
 
 
@@ -262,15 +322,26 @@ def _points(dimension: int, n_shared: int) -> int:
 
 def _design(size: int, dimension: int, n_shared: int, rng: np.random.Generator) -> FloatArray:
     """Rows A, B, then A with each column of B, then A with all shared columns of B."""
+    a, b = standard_pairs(size, dimension, rng)
+    chosen = [(i,) for i in range(dimension)]
+    group = [tuple(range(n_shared))] if _grouped(dimension, n_shared) else []
+    return frozen_rows(a, b, [*chosen, *group])
+
+
+def standard_pairs(
+    size: int, dimension: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Two independent standard-normal samples A and B, each (size, dimension)."""
     from scipy.special import ndtri
     from scipy.stats import qmc
 
     cube = qmc.Sobol(2 * dimension, rng=rng).random(size)
     both = ndtri(np.clip(cube, 1e-12, 1.0 - 1e-12))
-    a, b = both[:, :dimension], both[:, dimension:]
-    chosen: list[int | slice] = list(range(dimension))
-    if _grouped(dimension, n_shared):
-        chosen.append(slice(n_shared))
+    return both[:, :dimension], both[:, dimension:]
+
+
+def frozen_rows(a: FloatArray, b: FloatArray, chosen: Sequence[tuple[int, ...]]) -> FloatArray:
+    """Rows A, B, then A with each choice of columns taken from B."""
     mixed = []
     for columns in chosen:
         rows = a.copy()
@@ -279,16 +350,20 @@ def _design(size: int, dimension: int, n_shared: int, rng: np.random.Generator) 
     return np.vstack([a, b, *mixed])
 
 
-def _indices(y: FloatArray, dimension: int, n_shared: int) -> FloatArray:
-    """Main indices of the inputs, that of the group if there is one, then total indices."""
+def saltelli(table: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Main and total index (k,) of each exchange, from responses (2 + k, n) to `frozen_rows`."""
     from scipy.stats import sobol_indices
 
-    table = y.reshape(_points(dimension, n_shared), -1)
     found = sobol_indices(
         func={"f_A": table[:1], "f_B": table[1:2], "f_AB": table[2:, None, :]}, n=table.shape[1]
     )
-    # scipy takes the group for one more input, whose total index is not wanted
-    return np.concatenate([found.first_order.ravel(), found.total_order.ravel()[:dimension]])
+    return found.first_order.ravel(), found.total_order.ravel()
+
+
+def _indices(y: FloatArray, dimension: int, n_shared: int) -> FloatArray:
+    """Main indices of the inputs, that of the group if there is one, then total indices."""
+    main, total = saltelli(y.reshape(_points(dimension, n_shared), -1))
+    return np.concatenate([main, total[:dimension]])
 
 
 def _of_expansion(expansion: PolynomialChaosExpansion, n_shared: int) -> FloatArray:
@@ -301,17 +376,21 @@ def _of_expansion(expansion: PolynomialChaosExpansion, n_shared: int) -> FloatAr
     return np.concatenate([sobol.main, group, sobol.total])
 
 
-def _rows(
-    problem: Problem,
+def labelled_rows(
+    inputs: JointInputs,
     values: FloatArray,
     errors: FloatArray,
     reach: float,
     error_kind: ErrorKind,
     method: str,
+    names: Sequence[str],
 ) -> tuple[SobolIndex, ...]:
-    inputs = problem.inputs
-    singles = [(name, i < inputs.n_shared) for i, name in enumerate(inputs.names)]
-    group = [(ALL_SHARED, True)] if _grouped(inputs.dimension, inputs.n_shared) else []
+    """Rows of a result: main indices, that of the group if there is one, then total indices.
+
+    `reach` is the half width of the intervals in standard errors.
+    """
+    singles = [(name, i < inputs.n_shared) for i, name in enumerate(names)]
+    group = [(ALL_SHARED, True)] if inputs.shared_are_a_group else []
     labels: Sequence[tuple[str, bool, Order]] = [
         *((name, shared, "main") for name, shared in [*singles, *group]),
         *((name, shared, "total") for name, shared in singles),
@@ -325,7 +404,7 @@ def _rows(
     )  # fmt: skip
 
 
-def _student(freedom: int) -> float:
+def student_quantile(freedom: int) -> float:
     """Quantile of Student's distribution behind a 95 % interval."""
     from scipy.special import stdtrit
 

@@ -109,6 +109,26 @@ class JointInputs:
         return self.parts.joined()
 
     @property
+    def shared_are_a_group(self) -> bool:
+        """Whether several inputs are shared, and others are not."""
+        return 1 < self.n_shared < self.dimension
+
+    def in_order(self, order: Sequence[int]) -> JointInputs:
+        """Return the inputs with their columns in another order, none of them called shared.
+
+        Raises
+        ------
+        ValueError
+            If the dependence cannot be computed in that order.
+        """
+        parts = self.parts.chosen(order)
+        columns = tuple(self.columns[i] for i in order)
+        names = tuple(self.names[i] for i in order)
+        for part in parts.dependent:
+            check_part(part, [columns[i] for i in part.columns], [names[i] for i in part.columns])
+        return JointInputs(parts, columns, names, 0)
+
+    @property
     def conditioning(self) -> tuple[tuple[str, ...], ...]:
         """For each input the names of those before it that it depends on (Rosenblatt order)."""
         found: list[tuple[str, ...]] = [()] * self.dimension
