@@ -1,9 +1,11 @@
 """Executors: the same answer everywhere, whoever dies, hangs or raises on the way."""
 
+import socket
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +13,11 @@ import pytest
 import uqfold
 from tests.evaluation import models
 from uqfold.evaluation import (
+    Dask,
     Evaluator,
     ExecutorError,
     FailedRunError,
+    Futures,
     InProcess,
     Processes,
     Store,
@@ -238,10 +242,45 @@ def _slow(x: np.ndarray) -> float:
     return float(x[0])
 
 
-@pytest.mark.parametrize("settings", [{"workers": 0}, {"retries": -1}])
-def test_processes_refuse_impossible_numbers(settings: dict[str, int]) -> None:
-    with pytest.raises(ValueError, match=next(iter(settings))):
+@pytest.mark.parametrize(
+    "settings", [{"workers": 0}, {"retries": -1}, {"workers": 1.5}, {"retries": np.inf}]
+)
+def test_processes_refuse_impossible_numbers(settings: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(settings))} = .*: give a whole number"):
         Processes(**settings)
+
+
+@pytest.mark.parametrize("settings", [{"workers": "2"}, {"workers": True}, {"retries": None}])
+def test_processes_refuse_what_is_no_number(settings: dict[str, Any]) -> None:
+    with pytest.raises(TypeError, match=f"{next(iter(settings))} = .*: give a whole number"):
+        Processes(**settings)
+    assert Processes(np.int64(2), retries=np.int8(1)).workers == 2  # type: ignore[arg-type]
+
+
+def test_futures_refuse_what_is_no_executor() -> None:
+    with pytest.raises(TypeError, match=r"executor = 4: give a concurrent.futures.Executor"):
+        Futures(4)  # type: ignore[arg-type]
+    with ThreadPoolExecutor(3) as threads:
+        assert Futures(threads).workers == 3
+        with pytest.raises(ValueError, match="workers = 0"):
+            Futures(threads, 0)
+
+
+@pytest.mark.parametrize(
+    "address", ["foo", "", "tcp://foo", "tcp://foo:0", "foo:99999", "foo:bar", "http://foo:80/x"]
+)
+def test_a_cluster_without_an_address_is_refused_at_once(address: str) -> None:
+    """``--cluster foo`` waited for a minute."""
+    with pytest.raises(ValueError, match=r"cluster = .*give the address of a Dask scheduler"):
+        Dask(address)
+
+
+def test_a_cluster_where_nobody_listens_is_told_at_once() -> None:
+    with socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        port = closed.getsockname()[1]
+    with pytest.raises(ExecutorError, match=f"no Dask scheduler answers at tcp://127.0.0.1:{port}"):
+        Dask(f"tcp://127.0.0.1:{port}")
 
 
 def test_no_process_outlives_its_executor() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 import queue
+import re
+import socket
 import time
 from functools import lru_cache
 from importlib import import_module
@@ -12,17 +14,25 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from uqfold.checks import instance, refused
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.executors import Executor, Runner, limited
 from uqfold.typing import FloatArray, Model
 
-CONNECT_SECONDS = 30.0
+ANSWER_SECONDS = 5.0
+"""How long to wait for anything to answer at the address of the scheduler."""
+CONNECT_SECONDS = 15.0
+"""How long to wait for the scheduler itself, which tries so often."""
 WITHOUT_WORKERS_SECONDS = 300.0
 """How long to wait for workers when there is none."""
 LOOK_SECONDS = 5.0
 """How often to count the workers."""
+_ADDRESS = re.compile(
+    r"(?:(?:tcp|tls|ws|wss|ucx)://)?(?P<host>\[[0-9a-fA-F:.%\w]+\]|[\w.-]+):(?P<port>[0-9]{1,5})/?",
+    re.ASCII,
+)
 QUEUED_PER_THREAD = 4
 """Batches handed over per thread of the workers: the way there and back takes milliseconds."""
 
@@ -44,6 +54,8 @@ class Dask(Executor):
 
     Raises
     ------
+    TypeError, ValueError
+        If it is neither an address with a port nor a client.
     ExecutorError
         If `distributed` is not installed, or no scheduler answers.
     """
@@ -51,18 +63,23 @@ class Dask(Executor):
     batch_rows: ClassVar[int] = 256
 
     def __init__(self, cluster: Any) -> None:
-        distributed = _distributed()
         self._own = isinstance(cluster, str)
+        if self._own:
+            _check_answer(cluster)
+        distributed = _distributed()
         if not self._own:
-            self.client = cluster
+            self.client = instance(
+                "cluster",
+                cluster,
+                distributed.Client,
+                "give the address of a scheduler, as in 'tcp://10.0.0.1:8786', or a Client",
+            )
             return
         try:
             self.client = distributed.Client(cluster, timeout=CONNECT_SECONDS, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise ExecutorError(
-                f"no Dask scheduler answers at {cluster} ({error}): start one with `dask "
-                "scheduler`, workers with `dask worker ADDRESS`, and give its address"
-            ) from error
+        except Exception as error:
+            # what listens there may be anything, or want certificates
+            raise _no_answer(cluster, error) from error
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
         """Give a runner for the workers that are there now."""
@@ -181,6 +198,31 @@ def _unpickled(model: bytes) -> Any:
 def _run_pickled(model: bytes, x: FloatArray, caution: Caution) -> Outcome:
     """Run a batch on a worker, which loads the model once only."""
     return run_batch(_unpickled(model), x, caution)
+
+
+def _check_answer(cluster: str) -> None:
+    """Refuse what is no address, and one where nothing listens, which takes Dask a minute."""
+    if cluster.startswith("inproc://"):
+        return
+    match = _ADDRESS.fullmatch(cluster)
+    if match is None or not 0 < int(match["port"]) < 2**16:
+        raise refused(
+            "cluster", cluster, "give the address of a Dask scheduler, as in tcp://10.0.0.1:8786"
+        )
+    try:
+        with socket.create_connection(
+            (match["host"].strip("[]"), int(match["port"])), ANSWER_SECONDS
+        ):
+            return
+    except (OSError, UnicodeError) as error:
+        raise _no_answer(cluster, error) from error
+
+
+def _no_answer(cluster: str, error: Exception) -> ExecutorError:
+    return ExecutorError(
+        f"no Dask scheduler answers at {cluster} ({error}): start one with `dask scheduler`, "
+        "workers with `dask worker ADDRESS`, and give its address"
+    )
 
 
 def _distributed() -> ModuleType:

@@ -16,6 +16,7 @@ from collections import deque
 from types import TracebackType
 from typing import ClassVar
 
+from uqfold.checks import instance, or_none, whole
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.row_model import RowModel
@@ -132,12 +133,20 @@ class Futures(Executor):
     workers
         How many batches it runs at the same time; by default what it says itself, or the number
         of cores.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the executor is none, or the number out of range.
     """
 
     def __init__(self, executor: concurrent.futures.Executor, workers: int | None = None) -> None:
+        self.executor = instance(
+            "executor", executor, concurrent.futures.Executor, "give a concurrent.futures.Executor"
+        )
         own = getattr(executor, "_max_workers", None)
-        self.workers = workers or own or os.cpu_count() or 1
-        self.executor = executor
+        asked = or_none("workers", workers, whole, at_least=1)
+        self.workers = asked or (own if isinstance(own, int) else None) or os.cpu_count() or 1
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
         """Give a runner; a model for a pool of processes has to be picklable."""

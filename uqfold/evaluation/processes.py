@@ -15,6 +15,7 @@ from multiprocessing.connection import wait
 
 import numpy as np
 
+from uqfold.checks import or_none, whole
 from uqfold.evaluation.batch import Caution, Outcome
 from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import ExecutorError
@@ -48,17 +49,14 @@ class Processes(Executor):
 
     Raises
     ------
-    ValueError
-        If a number is out of range.
+    TypeError, ValueError
+        If a number is none, or out of range.
     """
 
     def __init__(self, workers: int | None = None, *, retries: int = 2) -> None:
-        if workers is not None and workers < 1:
-            raise ValueError(f"workers = {workers}: give at least 1")
-        if retries < 0:
-            raise ValueError(f"retries = {retries}: give 0 or more")
-        self.workers = workers or os.cpu_count() or 1
-        self.retries = retries
+        asked = or_none("workers", workers, whole, at_least=1)
+        self.workers = asked or os.cpu_count() or 1
+        self.retries = whole("retries", retries, at_least=0)
         self._pool: list[Worker] = []
         self._finalizer = weakref.finalize(self, _kill_all, self._pool)
 
