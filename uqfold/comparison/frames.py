@@ -45,7 +45,7 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
         named = ", ".join(problems) if problems else "none"
         raise ValueError(f"a report is about one problem, the frame holds {named}: select one")
     document = frame.attrs.get(HEADER_ATTRIBUTE)
-    criteria = Criteria(dict.fromkeys(_criterion(row) for row in rows))
+    criteria = Criteria(list(dict.fromkeys(_criterion(row) for row in rows)))
     header = _bare_header(rows, criteria) if document is None else _header(document, rows, criteria)
     return Records(header, rows)
 
