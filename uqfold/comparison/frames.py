@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -39,25 +39,39 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
         raise ValueError(
             f"the frame has no column {missing[0]!r}: give one that uqfold.compare returned"
         )
-    rows = tuple(_row(row) for row in frame[list(COLUMNS)].to_dict(orient="records"))
+    rows = tuple(_rows(frame))
     problems = list(dict.fromkeys(row["problem"] for row in rows))
     if len(problems) != 1:
         named = ", ".join(problems) if problems else "none"
         raise ValueError(f"a report is about one problem, the frame holds {named}: select one")
     document = frame.attrs.get(HEADER_ATTRIBUTE)
-    criteria = Criteria(list(dict.fromkeys(_criterion(row) for row in rows)))
+    criteria = Criteria(_criteria(rows))
     header = _bare_header(rows, criteria) if document is None else _header(document, rows, criteria)
     return Records(header, rows)
 
 
-def _row(row: Mapping[Any, Any]) -> Row:
-    values: dict[str, Any] = {}
-    for name, kind in COLUMNS.items():
-        value = row[name]
+def _rows(frame: pd.DataFrame) -> Iterator[Row]:
+    columns = [_column(name, frame[name].tolist(), kind) for name, kind in COLUMNS.items()]
+    for values in zip(*columns, strict=True):
+        yield dict(zip(COLUMNS, values, strict=True))
+
+
+def _column(name: str, values: list[Any], kind: type) -> list[Any]:
+    try:
         # an empty cell of a CSV file is read as NaN
-        empty = kind is str and isinstance(value, float) and math.isnan(value)
-        values[name] = "" if empty else kind(value)
-    return values
+        return ["" if kind is str and value != value else kind(value) for value in values]
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(
+            f"the column {name!r} of the frame holds no such numbers: {error}"
+        ) from error
+
+
+def _criteria(rows: Iterable[Row]) -> list[Criterion]:
+    """Return the criteria that occur, each once."""
+    stated = ("threshold", "tau", "missions", "missions_planned", "missions_p")
+    # by their text, in which NaN equals NaN
+    distinct = {tuple(repr(row[name]) for name in stated): row for row in reversed(list(rows))}
+    return list(dict.fromkeys(map(_criterion, reversed(distinct.values()))))
 
 
 def _criterion(row: Row) -> Criterion:
