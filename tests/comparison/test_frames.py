@@ -1,7 +1,10 @@
 """From a frame back to the records, whatever became of the frame on the way."""
 
 import io
+import math
+import time
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -9,6 +12,9 @@ import uqfold
 from tests.comparison.fakes import GRID, METHODS, toy_records
 from uqfold.comparison import Records, records_from_frame
 from uqfold.comparison.columns import COLUMNS
+from uqfold.comparison.csv_cells import csv_text
+from uqfold.report.page.html import page_html
+from uqfold.report.reports import report_page
 
 
 @pytest.fixture(scope="module")
@@ -73,3 +79,53 @@ def test_compare_gives_such_a_frame() -> None:
     header = records_from_frame(frame).header
     assert header.methods[0].settings == "FFNISaddlepoint(nodes_shared=3, nodes_individual=5)"
     assert header.date
+
+
+def test_a_large_frame_is_read_in_seconds() -> None:
+    """A frame of 1e5 rows: the work grows as the rows do."""
+    frame = toy_records().to_frame()
+    seconds = []
+    for rows in (500, 5000):
+        large = pd.concat([frame.iloc[[0]]] * rows, ignore_index=True)
+        large["threshold"] = np.linspace(1.0, 2.0, rows)
+        started = time.process_time()
+        assert len(records_from_frame(large).header.criteria) == rows
+        seconds.append(time.process_time() - started)
+    assert seconds[1] < 40.0 * max(seconds[0], 0.02)
+
+
+@pytest.mark.parametrize("value", [math.inf, -math.inf, 1e308, 5e-324, -1.0])
+@pytest.mark.parametrize("name", ["error", "pf", "std_error", "ci_high", "reference_pf"])
+def test_a_report_stands_any_number(records: Records, name: str, value: float) -> None:
+    """``error = inf`` in a frame."""
+    frame = records.to_frame()
+    frame[name] = value
+    assert "</html>" in page_html(report_page(frame))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("missions_planned", math.inf, "planned = inf"),
+        ("missions", "some", "missions = 'some'"),
+        ("threshold", "high", "the column 'threshold'"),
+        ("n_evals", math.inf, "the column 'n_evals'"),
+        ("tau", -1.0, "tau"),
+    ],
+)
+def test_a_frame_with_impossible_numbers_is_refused(
+    records: Records, name: str, value: object, message: str
+) -> None:
+    frame = records.to_frame()
+    frame["missions_planned"] = math.nan
+    frame[name] = [value] * len(frame)
+    with pytest.raises(ValueError, match=message):
+        records_from_frame(frame)
+
+
+def test_texts_of_a_csv_file_are_read_as_they_were(records: Records) -> None:
+    rows = tuple({**row, "message": "=1+1", "label": "'+a"} for row in records.rows)
+    read = pd.read_csv(io.StringIO(csv_text(COLUMNS, rows)))
+    assert {(row["message"], row["label"]) for row in records_from_frame(read).rows} == {
+        ("=1+1", "'+a")
+    }

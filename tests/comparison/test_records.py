@@ -20,6 +20,7 @@ import uqfold
 from tests.comparison.fakes import METHODS, toy_records
 from uqfold.comparison import Records, RecordsError, read_records, write_records
 from uqfold.comparison.columns import COLUMNS
+from uqfold.comparison.csv_cells import text_of_cell
 from uqfold.comparison.encoding import decoded, encoded
 from uqfold.comparison.header import shown_command
 from uqfold.problems.criterion import Binomial, criteria
@@ -320,3 +321,49 @@ def test_versions_are_found_without_importing_the_packages() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("1" + "0" * 400, "is too large"),
+        ("1e400", "the number 1e400 is too large"),
+        ("1" + "0" * 5000, "no readable record"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"a":' * 100_000, "nested too deeply"),
+    ],
+)
+@pytest.mark.parametrize("name", ["pf", "n_evals", "seed", "threshold"])
+def test_numbers_and_nesting_that_nobody_can_read_are_told(
+    records: Records, tmp_path: Path, value: str, message: str, name: str
+) -> None:
+    """Unreadable numbers in records (10**400) and deep nesting: one line, no traceback."""
+    write_records(records, tmp_path)
+    path = tmp_path / "comparison.json"
+    changed = re.sub(rf'"{name}": [^,\n]+', lambda _: f'"{name}": {value}', path.read_text())
+    path.write_text(changed)
+    with pytest.raises(RecordsError, match=message) as raised:
+        read_records(path)
+    assert len(str(raised.value)) < 400
+
+
+FORMULAS = (
+    '=HYPERLINK("http://x","y")', "+1+1", "-1+1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1",
+    "'=1", "''=1", "\uff1d1", "'tis", "a=b", "",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_no_cell_is_executed_by_a_spreadsheet(records: Records, tmp_path: Path, text: str) -> None:
+    """Cells that a spreadsheet would execute are quoted, and read back as they were."""
+    header = replace(records.header, problem=text)
+    rows = tuple({**row, "problem": text, "message": text, "pf": -0.5} for row in records.rows)
+    path, _ = write_records(Records(header, rows), tmp_path)
+    with path.open(encoding="utf-8", newline="") as file:
+        cells = list(csv.DictReader(file))
+    for cell in cells:
+        assert not re.match(r"\s*[=+\-@\uff1d]|[\t\r\n]", cell["message"])
+        assert text_of_cell(cell["message"]) == text_of_cell(cell["problem"]) == text
+        # numbers stay numbers
+        assert cell["pf"] == "-0.5"
+    assert read_records(tmp_path).rows[0]["message"] == text

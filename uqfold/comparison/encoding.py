@@ -6,14 +6,18 @@ in the shortest form that reads back to the same bits.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any, NoReturn, TypeVar
 
+from uqfold.checks import shown
 from uqfold.problems.criterion import Binomial, Criterion
 
 Value = TypeVar("Value", float, int, str)
 
+_LARGEST = 2**256
+"""No whole number of a record is larger; a seed may have more than 64 bits."""
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
 _CALLED = {float: "a number", int: "a whole number", str: "a text"}
 
@@ -41,7 +45,9 @@ def decoded(value: Any, kind: type[Value], where: str) -> Value:
     accepted: tuple[type, ...] = (float, int) if kind is float else (kind,)
     wrong = isinstance(value, bool) or not isinstance(value, accepted)
     if wrong:
-        raise TypeError(f"{where} = {value!r} is not {_CALLED[kind]}")
+        raise TypeError(f"{where} = {shown(value)} is not {_CALLED[kind]}")
+    if isinstance(value, int) and abs(value) > _LARGEST:
+        raise ValueError(f"{where} = {shown(value)} is too large")
     return kind(value)
 
 
@@ -74,6 +80,27 @@ def decoded_criterion(document: Mapping[str, Any]) -> Criterion:
     )
 
 
-def refuse_constant(name: str) -> NoReturn:
-    """Refuse the words NaN and Infinity, which Python's parser takes but JSON does not know."""
+def parsed_json(text: str) -> Any:
+    """Return what a text of strict JSON holds.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON (the words NaN and Infinity are none), is nested too deeply, or holds a
+        number that is too large for a float or has too many digits.
+    """
+    try:
+        return json.loads(text, parse_constant=_refuse_constant, parse_float=_finite)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+
+
+def _finite(number: str) -> float:
+    value = float(number)
+    if math.isinf(value):
+        raise ValueError(f"the number {number} is too large")
+    return value
+
+
+def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not JSON")

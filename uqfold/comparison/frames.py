@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from uqfold.comparison.columns import COLUMNS, Row
+from uqfold.comparison.csv_cells import text_of_cell
 from uqfold.comparison.entries import MethodEntry
 from uqfold.comparison.header import RunHeader
 from uqfold.comparison.records import HEADER_ATTRIBUTE, Records
@@ -39,7 +40,7 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
         raise ValueError(
             f"the frame has no column {missing[0]!r}: give one that uqfold.compare returned"
         )
-    rows = tuple(_rows(frame))
+    rows = tuple(_rows(frame, written=HEADER_ATTRIBUTE not in frame.attrs))
     problems = list(dict.fromkeys(row["problem"] for row in rows))
     if len(problems) != 1:
         named = ", ".join(problems) if problems else "none"
@@ -50,16 +51,23 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
     return Records(header, rows)
 
 
-def _rows(frame: pd.DataFrame) -> Iterator[Row]:
+def _rows(frame: pd.DataFrame, *, written: bool) -> Iterator[Row]:
+    """Yield the rows; `written`: their texts are those of a CSV file."""
     columns = [_column(name, frame[name].tolist(), kind) for name, kind in COLUMNS.items()]
     for values in zip(*columns, strict=True):
-        yield dict(zip(COLUMNS, values, strict=True))
+        row = dict(zip(COLUMNS, values, strict=True))
+        if written:
+            row |= {name: text_of_cell(row[name]) for name, kind in COLUMNS.items() if kind is str}
+        yield row
 
 
 def _column(name: str, values: list[Any], kind: type) -> list[Any]:
     try:
         # an empty cell of a CSV file is read as NaN
-        return ["" if kind is str and value != value else kind(value) for value in values]
+        return [
+            "" if kind is str and isinstance(value, float) and math.isnan(value) else kind(value)
+            for value in values
+        ]
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(
             f"the column {name!r} of the frame holds no such numbers: {error}"
@@ -79,10 +87,16 @@ def _criterion(row: Row) -> Criterion:
     return Criterion(
         row["threshold"],
         None if math.isnan(row["tau"]) else row["tau"],
-        Binomial(int(row["missions_planned"]), row["missions_p"])
+        Binomial(row["missions_planned"], row["missions_p"])
         if binomial
-        else int(row["missions"]),
+        else _count(row["missions"]),
     )
+
+
+def _count(missions: str) -> int:
+    if not missions.isdecimal():
+        raise ValueError(f"missions = {missions!r}: give a whole number, or missions_planned")
+    return int(missions)
 
 
 def _header(document: Mapping[str, Any], rows: tuple[Row, ...], criteria: Criteria) -> RunHeader:

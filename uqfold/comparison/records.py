@@ -7,17 +7,17 @@ for other programs.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
-from uqfold.comparison.encoding import decoded, encoded, refuse_constant
+from uqfold.comparison.csv_cells import csv_text
+from uqfold.comparison.encoding import decoded, encoded, parsed_json
 from uqfold.comparison.header import RunHeader
 from uqfold.writing import write_text
 
@@ -80,7 +80,8 @@ def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Pat
     directory = Path(folder)
     directory.mkdir(parents=True, exist_ok=True)
     paths = directory / CSV_NAME, directory / JSON_NAME
-    for path, text in zip(paths, (_csv_text(records), _json_text(records)), strict=True):
+    texts = csv_text(COLUMNS, records.rows), _json_text(records)
+    for path, text in zip(paths, texts, strict=True):
         write_text(path, text)
     return paths
 
@@ -104,8 +105,7 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     if file.is_dir():
         file = file / JSON_NAME
     try:
-        document = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse_constant)
-        return _parsed(document)
+        return _parsed(parsed_json(file.read_text(encoding="utf-8")))
     except (ValueError, KeyError, TypeError) as error:
         what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
         raise RecordsError(
@@ -127,16 +127,6 @@ def _json_text(records: Records) -> str:
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _csv_text(records: Records) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in records.rows:
-        cells = (encoded(kind(row[name])) for name, kind in COLUMNS.items())
-        writer.writerow("" if cell is None else cell for cell in cells)
-    return buffer.getvalue()
-
-
 def _parsed(document: Any) -> Records:
     if not isinstance(document, Mapping):
         raise TypeError("it holds no JSON object")
@@ -146,9 +136,8 @@ def _parsed(document: Any) -> Records:
         raise ValueError(f"its columns are not those of {SCHEMA}")
     header = RunHeader.from_document(document)
     rows = tuple(_parsed_row(row, i) for i, row in enumerate(document["rows"]))
-    known = [entry.label for entry in header.methods]
-    for label in dict.fromkeys(row["label"] for row in rows):
-        n_rows = sum(row["label"] == label for row in rows)
+    known = {entry.label for entry in header.methods}
+    for label, n_rows in Counter(row["label"] for row in rows).items():
         if label not in known or n_rows != len(header.criteria):
             raise ValueError(
                 f"it has {n_rows} rows of {label!r} for {len(header.criteria)} criteria"

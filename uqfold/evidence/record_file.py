@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from uqfold.comparison.encoding import encoded, refuse_constant
+from uqfold.comparison.encoding import encoded, parsed_json
 from uqfold.comparison.findings import Finding
 from uqfold.evidence.measurement import Axis, Cell, Column, Figure, Measurement, Series, Table
 from uqfold.evidence.record import CaseRecord, PlantedFault, StoredResult
@@ -69,7 +69,7 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
     """
     file = Path(path)
     try:
-        document = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse_constant)
+        document = parsed_json(file.read_text(encoding="utf-8"))
         if not isinstance(document, Mapping):
             raise TypeError("it holds no JSON object")
         if document.get("schema") != SCHEMA:

@@ -233,7 +233,7 @@ def _reference_series(rows: Sequence[Row], unit: str, as_pf: bool) -> list[Serie
 
 def _pf_limits(rows: Sequence[Row]) -> tuple[float, float] | None:
     values = [row[name] for row in rows for name in ("pf", "reference_pf", "ci_high")]
-    positive = [value for value in values if value > SMALLEST_PF]
+    positive = [value for value in values if SMALLEST_PF < value <= 1.0]
     if not positive:
         return None
     # long bars of estimates from a few failures are cut off rather than squeeze the rest
@@ -261,7 +261,8 @@ def _cloud_series(
             rows, cloud.n_evals, cloud.error, cloud.judged, strict=True
         )
     )
-    median = float(np.median(cloud.error))
+    with np.errstate(over="ignore"):
+        median = float(np.median(cloud.error))
     typical = Point(
         step * cloud.cost,
         max(median, low),

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from uqfold.comparison.records import Records
+from uqfold.report.page.scales import LARGEST, SMALLEST
 from uqfold.report.wording import reference_resolution
 from uqfold.typing import BoolArray, FloatArray
 
@@ -71,7 +72,7 @@ def side_steps(clouds: Sequence[Cloud], left: float, right: float) -> dict[str, 
 def error_limits(clouds: Sequence[Cloud]) -> tuple[float, float]:
     """Give the ends of an axis for the errors; an error of zero belongs on its lower end."""
     errors = np.concatenate([cloud.error for cloud in clouds])
-    positive = errors[errors > 0.0]
+    positive = errors[(errors > SMALLEST) & (errors < LARGEST)]
     if positive.size == 0:
         return 1e-6, 1.0
     return float(positive.min()) / 2.0, max(float(positive.max()) * 2.0, 0.02)

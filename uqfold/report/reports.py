@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.records import JSON_NAME, Records, read_records
 from uqfold.evidence.record import TIERS, CaseRecord
 from uqfold.report.page.blocks import Page
@@ -130,7 +130,7 @@ def _page_of(path: Path) -> Page:
 
 def _says_validation(path: Path) -> bool:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = parsed_json(path.read_text(encoding="utf-8"))
     except ValueError:
         return False
     schema = document.get("schema") if isinstance(document, dict) else None

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import uqfold
-from uqfold.comparison.encoding import decoded, encoded, refuse_constant
+from uqfold.comparison.encoding import decoded, encoded, parsed_json
 from uqfold.comparison.header import installed_versions
 from uqfold.writing import write_text
 
@@ -40,7 +40,7 @@ class JobCache:
             return None
         try:
             text = (self._folder / f"{key}.json").read_text(encoding="utf-8")
-            rows = json.loads(text, parse_constant=refuse_constant)["rows"]
+            rows = parsed_json(text)["rows"]
             return [
                 {
                     name: decoded(value, kind, name)

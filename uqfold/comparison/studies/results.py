@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import datetime
 import hashlib
-import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -13,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from uqfold.comparison.encoding import encoded
+from uqfold.comparison.csv_cells import csv_text, text_of_cell
+from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.header import installed_versions
 from uqfold.comparison.studies.runner import StudyTable
 from uqfold.comparison.studies.study import Study
@@ -74,7 +74,7 @@ class ResultsRecord:
 
 def write_table(folder: Path, table: StudyTable) -> TableEntry:
     """Write one table as ``results/<name>.csv`` below a folder."""
-    text = _csv_text(table.columns, table.rows)
+    text = csv_text(table.columns, table.rows)
     path = _csv_path(folder, table.name)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, text)
@@ -114,7 +114,7 @@ def read_record(folder: Path) -> ResultsRecord:
     """
     path = folder / FOLDER / RECORD_NAME
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = parsed_json(path.read_text(encoding="utf-8"))
         if document.pop("schema") != SCHEMA:
             raise ValueError(f"its schema is not {SCHEMA}")
         tables = tuple(TableEntry(**entry) for entry in document.pop("tables"))
@@ -165,16 +165,6 @@ def _csv_path(folder: Path, name: str) -> Path:
     return folder / FOLDER / f"{name}.csv"
 
 
-def _csv_text(columns: Mapping[str, type], rows: Sequence[Mapping[str, Any]]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(columns)
-    for row in rows:
-        cells = (encoded(kind(row[name])) for name, kind in columns.items())
-        writer.writerow("" if cell is None else cell for cell in cells)
-    return buffer.getvalue()
-
-
 def _read_table(folder: Path, name: str, columns: Mapping[str, type]) -> pd.DataFrame:
     import pandas as pd
 
@@ -182,9 +172,9 @@ def _read_table(folder: Path, name: str, columns: Mapping[str, type]) -> pd.Data
     try:
         with path.open(encoding="utf-8", newline="") as file:
             head, *rows = csv.reader(file)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise ResultsError(f"{FOLDER}/{path.name} cannot be read: {error}") from error
-    if head != list(columns):
+    if list(map(text_of_cell, head)) != list(columns):
         raise ResultsError(f"{FOLDER}/{path.name} has other columns than this study's {name}")
     try:
         values = {
@@ -202,4 +192,4 @@ def _read_table(folder: Path, name: str, columns: Mapping[str, type]) -> pd.Data
 def _decoded(cell: str, kind: type) -> Any:
     if kind is float:
         return float(cell) if cell else math.nan
-    return kind(cell)
+    return text_of_cell(cell) if kind is str else kind(cell)
