@@ -19,6 +19,7 @@ from uqfold.evidence.check import KEPT_TIERS, discrepancies, report_discrepancie
 from uqfold.evidence.record import CaseRecord, Tier
 from uqfold.evidence.record_file import read_case_records, write_case_record
 from uqfold.evidence.runner import Validation
+from uqfold.evidence.side_by_side import for_workers, side_by_side
 from uqfold.report.layout import Cell, Grid
 from uqfold.report.page.write import write_page
 from uqfold.report.progress import ComparisonProgressBar
@@ -72,6 +73,8 @@ class ValidationSession:
             _say(f"interrupted: {done}; to go on: {self.resume}")
             code = EXIT_INTERRUPTED
         if self.records:
+            names = [case.name for case in self.cases]
+            self.records.sort(key=lambda record: names.index(record.name))
             out = stdout_console(quiet=False)
             out.print(VerdictTable(self.records))
             out.print(f"\nkept records: {kept_text(list(self.changes.values()))}", highlight=False)
@@ -97,14 +100,22 @@ class ValidationSession:
                 bar(name, done, total)
 
             validation = Validation(self.tier, self.folder, self.faults, progress)
-            for case in self.cases:
+            left = {case.name: case for case in self.cases}
+            several = for_workers(self.cases, self.tier)
+            for case, record in side_by_side(validation, several, self.interrupts.check):
+                bar(case.name, 0, None)
+                self._keep(left.pop(case.name), record)
+            for case in left.values():
                 record = validation.run(case)
                 # what was interrupted may look finished where a library swallowed it
                 self.interrupts.check()
-                self.records.append(record)
-                self.changes[case.name] = changes(kept_record(case, self.tier), record)
-                if self.update and self.tier in KEPT_TIERS:
-                    write_case_record(record, case.folder, self.tier)
+                self._keep(case, record)
+
+    def _keep(self, case: Case, record: CaseRecord) -> None:
+        self.records.append(record)
+        self.changes[case.name] = changes(kept_record(case, self.tier), record)
+        if self.update and self.tier in KEPT_TIERS:
+            write_case_record(record, case.folder, self.tier)
 
     def _write_reports(self) -> list[Path]:
         """Write the report on all records of the folder, and on the kept ones if these changed."""

@@ -28,8 +28,8 @@ CaseProgress = Callable[[str, int, int | None], None]
 """Called with a case's name, its finished parts (0: it starts), and how many there are."""
 
 
-def _unseen(_name: str, _done: int, _total: int | None) -> None:
-    pass
+def unseen(_name: str, _done: int, _total: int | None) -> None:
+    """Tell nobody of the progress."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Validation:
     tier: Tier
     folder: Path
     faults: bool = False
-    progress: CaseProgress = _unseen
+    progress: CaseProgress = unseen
 
     def run(self, case: Case) -> CaseRecord:
         """Measure one case and write its record.

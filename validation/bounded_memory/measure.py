@@ -71,8 +71,8 @@ def measure(work: Work) -> Measurement:
     """Measure pairs of runs, one with ten times the systems of the other."""
     keeps = "all" if work.fault == "runs kept" else "nothing"
     sizes = {
-        False: work.pick(3_000_000, 10_000_000, 100_000_000),
-        True: work.pick(500_000, 3_000_000, 10_000_000),
+        False: work.pick(1_000_000, 10_000_000, 100_000_000),
+        True: work.pick(200_000, 3_000_000, 10_000_000),
     }
     [seed] = work.seeds
     peaks = work.parts(

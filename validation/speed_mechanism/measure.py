@@ -25,11 +25,11 @@ OVER_PYTHON, OVER_COMPILED, OVER_SCALAR = 500.0, 50.0, 1.5
 
 
 def measure(work: Work) -> Measurement:
-    """Race SciPy with a Python right-hand side on 8, 20 or 60 draws.
+    """Race SciPy with a Python right-hand side on 4, 20 or 60 draws.
 
     The full tier adds compiled right-hand sides, and CVODE.
     """
-    n_slow, tuning = work.pick((8, 4), (20, 8), (60, 10))
+    n_slow, tuning = work.pick((4, 1), (20, 8), (60, 10))
     draws = draws_of_table_6(DRAWS)
     samples = sample_table(PARAMETERS, draws)
     reference = deployment_times(PARAMETERS, tolerance=1e-11, **draws)
