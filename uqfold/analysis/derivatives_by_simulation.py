@@ -39,10 +39,10 @@ from uqfold.methods.arguments import (
 )
 from uqfold.methods.result import Status
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
-from uqfold.methods.system_sample import BLOCK_SYSTEMS, SystemBlock, draw_systems
+from uqfold.methods.system_sample import SystemBlock, block_systems, draw_systems, too_large
 from uqfold.problems.base import Problem
 from uqfold.problems.structure import Series
-from uqfold.typing import BoolArray, FloatArray
+from uqfold.typing import FloatArray, IntArray
 
 METHOD = "score-function"
 _FEW = 30
@@ -96,6 +96,10 @@ def score_derivatives(
         raise ValueError(f"{METHOD} needs exchangeable units in series, not {problem!r}")
     systems = whole("systems", systems, at_least=2)
     asked = checked_criteria(problem, criteria)
+    for criterion in asked:
+        if reason := too_large(METHOD, problem, criterion):
+            raise ValueError(reason)
+    most_at_once = block_systems(problem, asked)
     parameters = chosen_parameters(problem, inputs)
     scores = [score_function(problem.inputs, p.input, p.moment) for p in parameters]
     seed = reduced_seed(rng)
@@ -106,8 +110,8 @@ def score_derivatives(
     drawn: deque[SystemBlock] = deque()
 
     def rows() -> Iterator[FloatArray]:
-        for block, start in enumerate(range(0, systems, BLOCK_SYSTEMS)):
-            size = min(BLOCK_SYSTEMS, systems - start)
+        for block, start in enumerate(range(0, systems, most_at_once)):
+            size = min(most_at_once, systems - start)
             drawn.append(draw_systems(problem, asked, block_generator(seed, block), size))
             yield drawn[-1].x
 
@@ -202,18 +206,18 @@ def _of_systems(
     block: SystemBlock, of_shared: FloatArray, of_individual: FloatArray
 ) -> Iterator[FloatArray]:
     """Scores (size,) of whole systems, for each criterion the missions that it looks at."""
-    individual = np.zeros(block.rows.shape)
-    individual[block.rows] = of_individual
-    per_mission = individual.sum(axis=2)
-    shared = _first_of_each(block.rows, of_shared)
-    for mask in block.active:
-        yield shared + np.where(mask, per_mission, 0.0).sum(axis=1)
+    per_mission = np.zeros(block.rows.shape)
+    per_mission[block.rows] = of_individual.reshape(-1, block.units).sum(axis=1)
+    shared = _first_of_each(block.units * block.rows.sum(axis=1), of_shared)
+    mission = np.arange(block.rows.shape[1])
+    for criterion in block.criteria:
+        flies = mission < block.flown[criterion.missions][:, None]
+        yield shared + np.where(flies, per_mission, 0.0).sum(axis=1)
 
 
-def _first_of_each(rows: BoolArray, values: FloatArray) -> FloatArray:
-    """Value of each system's first row; 0 for a system that flies no mission."""
-    counts = rows.reshape(len(rows), -1).sum(axis=1)
-    first = np.zeros(len(rows))
+def _first_of_each(counts: IntArray, values: FloatArray) -> FloatArray:
+    """Value of the first of so many rows of each system; 0 for a system without any."""
+    first = np.zeros(len(counts))
     starts = np.cumsum(counts) - counts
     first[counts > 0] = values[starts[counts > 0]]
     return first

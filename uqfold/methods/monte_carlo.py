@@ -15,9 +15,17 @@ from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
-from uqfold.methods.system_sample import BLOCK_SYSTEMS, SystemBlock, draw_systems
+from uqfold.methods.system_sample import (
+    RUNS_WITHOUT_A_BUDGET,
+    SystemBlock,
+    block_systems,
+    draw_systems,
+    too_large,
+)
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import MONTE_CARLO
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray, IntArray
 
 WITHOUT_A_BUDGET = 100_000
@@ -59,8 +67,8 @@ class MonteCarlo(ReliabilityMethod):
     ----------
     systems
         Systems to simulate; `max_evals` may allow fewer, then the status is
-        ``budget_exhausted``. None: as many as `max_evals` pays for, 100,000 without a budget.
-        One system costs n units times the most missions of the grid.
+        ``budget_exhausted``. None: as many as `max_evals` pays for; without a budget 100,000, or
+        what takes 20 million runs. One system costs n units times the most missions of the grid.
     target_cov
         Stop early once the coefficient of variation of every criterion is at most this; None:
         never.
@@ -76,7 +84,8 @@ class MonteCarlo(ReliabilityMethod):
     The interval is that of Clopper and Pearson (Biometrika 26 (1934) 404-413) at 95 %; without a
     failure it is the one-sided upper bound. With `target_cov` the stopping time depends on the
     failures, so the interval is then approximate. When the wall-clock limit of the evaluator is
-    over, the blocks of 4,096 systems that are complete make the answer.
+    over, the blocks (of 4,096 systems, fewer if these are large) that are complete make the answer.
+    A system of a million random numbers or more (missions x units x inputs) is ``unsupported``.
     """
 
     name: ClassVar[str] = "mc"
@@ -96,13 +105,18 @@ class MonteCarlo(ReliabilityMethod):
         """True: another seed draws other systems."""
         return True
 
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Say why not: as the base says, and systems too large to be drawn."""
+        return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
+
     def _solve(self, task: Task) -> Solution:
         missions = max(c.max_missions for c in task.criteria)
         per_system = task.problem.n_units * missions
         affordable = task.session.remaining // per_system
         wanted = self.systems
         if wanted is None:
-            wanted = WITHOUT_A_BUDGET if task.max_evals is None else affordable
+            most = min(WITHOUT_A_BUDGET, max(1, RUNS_WITHOUT_A_BUDGET // per_system))
+            wanted = most if task.max_evals is None else affordable
         planned = min(wanted, affordable)
         if planned == 0:
             message = (
@@ -114,8 +128,9 @@ class MonteCarlo(ReliabilityMethod):
         drawn: deque[SystemBlock] = deque()
 
         def rows() -> Iterator[FloatArray]:
-            for block, start in enumerate(range(0, planned, BLOCK_SYSTEMS)):
-                size = min(BLOCK_SYSTEMS, planned - start)
+            most_at_once = block_systems(task.problem, task.criteria)
+            for block, start in enumerate(range(0, planned, most_at_once)):
+                size = min(most_at_once, planned - start)
                 drawn.append(draw_systems(task.problem, task.criteria, task.generator(block), size))
                 yield drawn[-1].x
 

@@ -17,8 +17,10 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
+from uqfold.methods.system_sample import too_large
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import OPENTURNS_MONTE_CARLO
+from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import SystemEvent
 
@@ -108,6 +110,10 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         keep(self, "target_cov", real, above=0.0)
         keep(self, "block_size", whole, at_least=1)
         keep(self, "max_samples", whole, at_least=1)
+
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Say why not: as the base says, and systems too large to be drawn."""
+        return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
         events = [SystemEvent(task.problem, criterion) for criterion in task.criteria]

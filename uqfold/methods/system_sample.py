@@ -6,18 +6,55 @@ mission. All criteria are read off the same systems.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.system.event import mission_fails
+from uqfold.problems.criterion import Binomial, Criterion, Missions
+from uqfold.system.event import Worst
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 BLOCK_SYSTEMS = 4096
-"""Systems drawn from one random stream; part of the meaning of a seed."""
+"""Most systems drawn from one random stream; part of the meaning of a seed."""
+BLOCK_VALUES = 2**23
+"""Random numbers of one block at most, so that its memory stays below about half a gigabyte; a
+block of large systems holds fewer of them. Part of the meaning of a seed."""
+LARGEST_SYSTEM = 1_000_000
+"""A system of so many random numbers, or more, is not simulated."""
+RUNS_WITHOUT_A_BUDGET = 20_000_000
+"""Runs that a simulation may take where neither a size nor a budget is given."""
+_FEW_THRESHOLDS = 16
+"""Up to so many thresholds are compared one by one; for more of them the systems are sorted."""
+
+
+def too_large(name: str, problem: Problem, criterion: Criterion) -> str | None:
+    """Say why a method that simulates whole systems cannot answer a criterion, or None.
+
+    Parameters
+    ----------
+    name
+        Name of the method.
+    problem, criterion
+        What is asked.
+    """
+    missions, units = criterion.max_missions, problem.n_units
+    values = missions * units * problem.inputs.dimension
+    if values < LARGEST_SYSTEM:
+        return None
+    return (
+        f"{name} would draw {values:,} random numbers for one system ({missions:,} missions of "
+        f"{units:,} units), {LARGEST_SYSTEM:,} or more: ask for fewer missions or units, or take a "
+        "method whose cost does not depend on them, such as ffni-pearson, kriging or pce"
+    )
+
+
+def block_systems(problem: Problem, criteria: Sequence[Criterion]) -> int:
+    """Return how many systems are drawn from one random stream."""
+    missions = max(c.max_missions for c in criteria)
+    values = missions * problem.n_units * problem.inputs.dimension
+    return max(1, min(BLOCK_SYSTEMS, BLOCK_VALUES // values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,15 +68,18 @@ class SystemBlock:
     x
         Inputs (n_rows, d) of the units that some criterion looks at.
     rows
-        Which (size, missions, units) these are.
-    active
-        Which missions (size, missions) each criterion looks at.
+        Which missions (size, missions) these are; each system flies its first ones.
+    units
+        Number of units.
+    flown
+        How many missions (size,) each mission profile looks at.
     """
 
     criteria: Sequence[Criterion]
     x: FloatArray
     rows: BoolArray
-    active: list[BoolArray]
+    units: int
+    flown: Mapping[Missions, IntArray]
 
     def failed(self, responses: FloatArray, *, missing_fails: bool) -> BoolArray:
         """Which systems fail each criterion (n_criteria, size).
@@ -51,23 +91,49 @@ class SystemBlock:
         missing_fails
             Whether a mission with a failed run counts as failed, see `mission_fails`.
         """
-        y = np.zeros(self.rows.shape)
-        y[self.rows] = responses
-        return np.array(
-            [
-                np.any(
-                    mask & mission_fails(y, c.threshold, c.tau, missing_fails=missing_fails), axis=1
-                )
-                for c, mask in zip(self.criteria, self.active, strict=True)
-            ]
-        )
+        worst = self._worst(responses, missing_fails)
+        return np.array([worst[c.missions].fails(c.threshold, c.tau) for c in self.criteria])
 
     def counts(self, responses: FloatArray) -> tuple[int, IntArray, IntArray]:
         """Systems, and failures of each criterion: open ones as failed, and as safe."""
-        high, low = (
-            self.failed(responses, missing_fails=missing).sum(axis=1) for missing in (True, False)
-        )
+        high = self._counted(responses, missing_fails=True)
+        low = self._counted(responses, missing_fails=False) if np.isnan(responses).any() else high
         return len(self.rows), high, low
+
+    def _counted(self, responses: FloatArray, *, missing_fails: bool) -> IntArray:
+        """Count the failures of each criterion (n_criteria,)."""
+        worst = self._worst(responses, missing_fails)
+        found = np.empty(len(self.criteria), dtype=np.int64)
+        for own in _alike(self.criteria):
+            first = self.criteria[own[0]]
+            of_system = worst[first.missions]
+            if len(own) <= _FEW_THRESHOLDS:
+                found[own] = [
+                    of_system.fails(self.criteria[i].threshold, first.tau).sum() for i in own
+                ]
+                continue
+            apart = np.zeros(1, dtype=bool)
+            if first.tau is not None:
+                apart = Worst(np.full_like(of_system.apart, -np.inf), of_system.apart).fails(
+                    np.inf, first.tau
+                )
+            late = np.sort(np.where(apart, np.inf, of_system.late))
+            thresholds = [self.criteria[i].threshold for i in own]
+            beyond = late.size - np.searchsorted(late, thresholds, side="right")
+            found[own] = np.maximum(beyond, np.count_nonzero(late == np.inf))
+        return found
+
+    def _worst(self, responses: FloatArray, missing_fails: bool) -> dict[Missions, Worst]:
+        """Return the worst of each system (size,) under each mission profile."""
+        missions = Worst.of_missions(responses.reshape(-1, self.units), missing_fails=missing_fails)
+        size, most = self.rows.shape
+        system = np.arange(size)
+        # column k: the worst of the first k missions
+        worst = np.full((2, size, most + 1), -np.inf)
+        for running, one in zip(worst, (missions.late, missions.apart), strict=True):
+            running[:, 1:][self.rows] = one
+            np.maximum.accumulate(running, axis=1, out=running)
+        return {profile: Worst(*worst[:, system, count]) for profile, count in self.flown.items()}
 
 
 def draw_systems(
@@ -91,20 +157,29 @@ def draw_systems(
     u = np.empty((*shape, inputs.dimension))
     u[..., : inputs.n_shared] = rng.standard_normal((size, 1, 1, inputs.n_shared))
     u[..., inputs.n_shared :] = rng.standard_normal((*shape, inputs.n_individual))
-    flown = rng.random((size, missions))
-    x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
-    active = [_active_missions(criterion, flown) for criterion in criteria]
+    chance = rng.random((size, missions))
+    flown = {
+        profile: _missions_flown(profile, chance)
+        for profile in dict.fromkeys(c.missions for c in criteria)
+    }
     # missions that no criterion looks at are drawn, to keep the stream in step, but not run
-    needed = np.logical_or.reduce(active)
-    rows = np.repeat(needed[:, :, None], problem.n_units, axis=2)
-    return SystemBlock(criteria, x[rows.ravel()], rows, active)
+    longest = np.maximum.reduce(list(flown.values()))
+    rows = np.arange(missions) < longest[:, None]
+    x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
+    x = x.reshape(*shape, inputs.dimension)[rows].reshape(-1, inputs.dimension)
+    return SystemBlock(criteria, x, rows, problem.n_units, flown)
 
 
-def _active_missions(criterion: Criterion, flown: FloatArray) -> BoolArray:
-    """Which missions (size, missions) this criterion looks at."""
-    index = np.arange(flown.shape[1])
-    if isinstance(criterion.missions, Binomial):
-        planned, p = criterion.missions.planned, criterion.missions.p
-        count = (flown[:, :planned] < p).sum(axis=1)
-        return np.asarray(index[None, :] < count[:, None])
-    return np.broadcast_to(index < criterion.missions, flown.shape)
+def _missions_flown(missions: Missions, chance: FloatArray) -> IntArray:
+    """Count the missions (size,) that a profile looks at."""
+    if isinstance(missions, Binomial):
+        return np.asarray((chance[:, : missions.planned] < missions.p).sum(axis=1), dtype=np.int64)
+    return np.full(len(chance), missions, dtype=np.int64)
+
+
+def _alike(criteria: Sequence[Criterion]) -> Iterator[list[int]]:
+    """Give the criteria that differ in the threshold alone, by index."""
+    groups: dict[tuple[Missions, float | None], list[int]] = {}
+    for i, criterion in enumerate(criteria):
+        groups.setdefault((criterion.missions, criterion.tau), []).append(i)
+    yield from groups.values()

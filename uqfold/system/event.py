@@ -21,6 +21,42 @@ from uqfold.problems.structure import Series
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 
+@dataclass(frozen=True, eq=False)
+class Worst:
+    """The worst of each mission, or of all missions of a system: it decides every T and tau.
+
+    Attributes
+    ----------
+    late
+        Largest response; +inf fails every criterion, -inf none.
+    apart
+        Largest difference of two responses of a mission; +inf where one of them is infinite, which
+        fails every tau, -inf where no response is known.
+    """
+
+    late: FloatArray
+    apart: FloatArray
+
+    @classmethod
+    def of_missions(cls, y: FloatArray, *, missing_fails: bool) -> Worst:
+        """Return the worst (...) of missions with the responses y (..., n); see `mission_fails`."""
+        lowest, highest, missing = _extremes(y)
+        with np.errstate(invalid="ignore", over="ignore"):
+            # the difference of finite responses may overflow
+            apart = np.minimum(highest - lowest, np.finfo(np.float64).max)
+        apart = np.where(np.isinf(lowest) | np.isinf(highest), np.inf, apart)
+        # NaN is left where every run of the mission failed
+        late, apart = (np.where(np.isnan(one), -np.inf, one) for one in (highest, apart))
+        return cls(np.where(missing, np.inf, late) if missing_fails else late, apart)
+
+    def fails(self, threshold: float, tau: float | None) -> BoolArray:
+        """Whether each mission or system fails under T and tau."""
+        fails = (self.late > threshold) | (self.late == np.inf)
+        if tau is not None:
+            fails |= (self.apart > tau) | (self.apart == np.inf)
+        return np.asarray(fails)
+
+
 def mission_fails(
     y: FloatArray, threshold: float, tau: float | None, *, missing_fails: bool
 ) -> BoolArray:
@@ -47,12 +83,7 @@ def mission_fails(
     BoolArray
         Shape (...).
     """
-    lowest, highest, missing = _extremes(y)
-    fails = (highest > threshold) | (highest == np.inf)
-    if tau is not None:
-        with np.errstate(invalid="ignore", over="ignore"):
-            fails |= (highest - lowest > tau) | np.isinf(lowest)
-    return np.asarray(fails | missing if missing_fails else fails)
+    return Worst.of_missions(y, missing_fails=missing_fails).fails(threshold, tau)
 
 
 def mission_margin(
