@@ -8,7 +8,7 @@ import pytest
 from uqfold import Problem, criteria
 from uqfold.inputs import normal
 from uqfold.methods import ConditionalMonteCarlo, MonteCarlo
-from uqfold.methods.conditional_monte_carlo import BLOCK_DRAWS
+from uqfold.methods.conditional_sums import BLOCK_DRAWS
 from uqfold.problems import series
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.testing.linear_normal import LinearNormalSystem

@@ -68,7 +68,7 @@ class MonteCarlo(ReliabilityMethod):
     systems
         Systems to simulate; `max_evals` may allow fewer, then the status is
         ``budget_exhausted``. None: as many as `max_evals` pays for; without a budget 100,000, or
-        what takes 20 million runs. One system costs n units times the most missions of the grid.
+        what takes 5 million runs. One system costs n units times the most missions of the grid.
     target_cov
         Stop early once the coefficient of variation of every criterion is at most this; None:
         never.

@@ -17,7 +17,7 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
-from uqfold.methods.system_sample import too_large
+from uqfold.methods.system_sample import BLOCK_VALUES, too_large
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import OPENTURNS_MONTE_CARLO
 from uqfold.problems.base import Problem
@@ -142,14 +142,16 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     def _blocks(self, event: SystemEvent, share: int | None) -> tuple[int, int]:
         """Size and largest number of blocks that a share of the budget allows."""
+        values = event.max_evals_per_sample * event.problem.inputs.dimension
+        longest = min(self.block_size, max(1, BLOCK_VALUES // values))
         if share is None:
-            samples, most = self.max_samples, self.block_size
+            samples, most = self.max_samples, longest
         elif event.random_missions:
             # what a sample costs is not known beforehand: `_simulate` ends when the share does
             affordable = share // event.max_evals_per_sample
-            samples, most = share, min(self.block_size, -(-affordable // BLOCKS_OF_RANDOM_COST))
+            samples, most = share, min(longest, -(-affordable // BLOCKS_OF_RANDOM_COST))
         else:
-            samples, most = share // event.max_evals_per_sample, self.block_size
+            samples, most = share // event.max_evals_per_sample, longest
         if samples == 0 or most == 0:
             return 0, 0
         blocks = -(-samples // most)

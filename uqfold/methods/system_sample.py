@@ -23,7 +23,7 @@ BLOCK_VALUES = 2**23
 block of large systems holds fewer of them. Part of the meaning of a seed."""
 LARGEST_SYSTEM = 1_000_000
 """A system of so many random numbers, or more, is not simulated."""
-RUNS_WITHOUT_A_BUDGET = 20_000_000
+RUNS_WITHOUT_A_BUDGET = 5_000_000
 """Runs that a simulation may take where neither a size nor a budget is given."""
 _FEW_THRESHOLDS = 16
 """Up to so many thresholds are compared one by one; for more of them the systems are sorted."""

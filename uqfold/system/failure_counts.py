@@ -14,7 +14,13 @@ from math import comb
 import numpy as np
 
 from uqfold.problems.criterion import Binomial, Missions
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
+
+EXACT_TERMS = 20_000
+"""Up to so many terms are whole numbers; more of them take logarithms, good to about 1e-12."""
+_NEGLIGIBLE = 1e-30
+"""Probability of a number of missions that adds nothing to a double."""
 
 
 def failure_by_count(trials: int, per_mission: int, missions: Missions) -> FloatArray:
@@ -32,7 +38,8 @@ def failure_by_count(trials: int, per_mission: int, missions: Missions) -> Float
     Returns
     -------
     FloatArray
-        Estimates (K + 1,) for F = 0 ... K failures; each from whole numbers, rounded once.
+        Estimates (K + 1,) for F = 0 ... K failures; each from whole numbers, rounded once, unless
+        that takes more than `EXACT_TERMS` of them.
 
     Raises
     ------
@@ -44,13 +51,17 @@ def failure_by_count(trials: int, per_mission: int, missions: Missions) -> Float
     >>> failure_by_count(4, 2, 1).tolist()
     [0.0, 0.5, 0.8333333333333334, 1.0, 1.0]
     """
+    most = missions.planned if isinstance(missions, Binomial) else missions
+    if most * per_mission > trials:
+        raise ValueError(f"{trials} trials are too few for {most} missions")
+    terms = (trials + 1) * (most + 1 if isinstance(missions, Binomial) else 1)
+    if terms > EXACT_TERMS or most > 64:
+        return _by_logarithms(trials, per_mission, missions)
     if isinstance(missions, Binomial):
-        planned, p = missions.planned, Fraction(missions.p)
-        shares = {k: comb(planned, k) * p**k * (1 - p) ** (planned - k) for k in range(planned + 1)}
+        p = Fraction(missions.p)
+        shares = {k: comb(most, k) * p**k * (1 - p) ** (most - k) for k in range(most + 1)}
     else:
         shares = {missions: Fraction(1)}
-    if max(shares) * per_mission > trials:
-        raise ValueError(f"{trials} trials are too few for {max(shares)} missions")
 
     def works(failed: int, chosen: int) -> Fraction:
         return Fraction(comb(trials - failed, chosen), comb(trials, chosen))
@@ -61,3 +72,23 @@ def failure_by_count(trials: int, per_mission: int, missions: Missions) -> Float
             for failed in range(trials + 1)
         ]
     )
+
+
+def _by_logarithms(trials: int, per_mission: int, missions: Missions) -> FloatArray:
+    """Do what `failure_by_count` does, from the ratios of neighbouring chances."""
+    from scipy.stats import binom
+
+    shares = np.array([[missions, 1.0]]) if isinstance(missions, int) else np.empty((0, 2))
+    if isinstance(missions, Binomial):
+        k = np.arange(missions.planned + 1)
+        chance = binom.pmf(k, missions.planned, missions.p)
+        shares = np.column_stack([k, chance])[chance > _NEGLIGIBLE]
+    failing = np.zeros(trials + 1)
+    left = trials - np.arange(trials)
+    for count, share in shares.tolist():
+        check_time()
+        # C(K - F - 1, r) / C(K - F, r) = (K - F - r) / (K - F)
+        with np.errstate(divide="ignore"):
+            steps = np.log1p(-np.minimum(count * per_mission / left, 1.0))
+        failing[1:] -= share * np.expm1(np.cumsum(steps))
+    return np.clip(failing, 0.0, 1.0)
