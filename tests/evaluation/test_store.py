@@ -372,3 +372,51 @@ def test_a_killed_transaction_leaves_no_trace(path: Path) -> None:
     assert done.returncode == -signal.SIGKILL
     with Store(path) as store:
         assert len(store) == 64
+
+
+@pytest.mark.parametrize("given", [42, True, b"runs.db", [], Store, 1.5])
+def test_what_is_no_store_is_refused(given: object) -> None:
+    with pytest.raises(TypeError, match=r"store = .*give a Store or the path of its file, or None"):
+        Evaluator(store=given)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="path = "):
+        Store(given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "given", [":memory:", " :memory: ", "", "  ", "file::memory:", "file:runs?mode=memory", "a\0b"]
+)
+def test_a_store_that_would_keep_nothing_is_refused(
+    given: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for make in (Store, lambda path: Evaluator(store=path), lambda path: Store(Path(path))):
+        with pytest.raises((ValueError, StoreError)):
+            make(given)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "error"),
+    [
+        ({"batch_rows": 1.5}, ValueError),
+        ({"batch_rows": True}, TypeError),
+        ({"batch_rows": "64"}, TypeError),
+        ({"progress": 3}, TypeError),
+        ({"watch": "bar"}, TypeError),
+        ({"max_seconds": "60"}, TypeError),
+        ({"seconds_per_run": float("nan")}, ValueError),
+        ({"failed_runs": 1}, TypeError),
+    ],
+)
+def test_settings_of_the_evaluator_are_checked(
+    settings: dict[str, object], error: type[Exception]
+) -> None:
+    (name,) = settings
+    with pytest.raises(error, match=f"{name} = "):
+        Evaluator(**settings)  # type: ignore[arg-type]
+
+
+def test_numpy_scalars_are_as_good_as_numbers() -> None:
+    evaluator = Evaluator(batch_rows=np.int64(7), max_seconds=np.float32(2))  # type: ignore[arg-type]
+    assert (evaluator.batch_rows, evaluator.max_seconds) == (7, 2.0)
+    assert type(evaluator.batch_rows) is int

@@ -31,12 +31,25 @@ def test_finished_parts_outlive_an_interruption(tmp_path: Path) -> None:
     assert told == [(0, 2), (1, 2), (0, 2), (1, 2), (2, 2)]
 
 
-def test_a_damaged_part_is_computed_again(tmp_path: Path) -> None:
+def test_a_damaged_part_is_computed_again_with_a_warning(tmp_path: Path) -> None:
     work = Work("full", kept=tmp_path)
-    work.parts({"a": lambda: 1})
+    work.parts({"a": lambda: 0.142})
     (path,) = tmp_path.iterdir()
-    path.write_text("{", encoding="utf-8")
-    assert work.parts({"a": lambda: 2}) == {"a": 2}
+    whole = path.read_bytes()
+    assert b"0.142" in whole
+    # one digit, cut off, empty, another kind of file, without its digest
+    damaged = [whole.replace(b"0.142", b"0.842"), whole[:-5], b"", b"{", whole.split(b"\n")[1]]
+    for content in damaged:
+        path.write_bytes(content)
+        with pytest.warns(UserWarning, match="is damaged, and left out"):
+            assert work.parts({"a": lambda: 2.0}) == {"a": 2.0}
+        assert work.parts({"a": lambda: 3.0}) == {"a": 2.0}
+    # the part of another name
+    work.parts({"b": lambda: 4.0})
+    (other,) = set(tmp_path.iterdir()) - {path}
+    other.rename(path)
+    with pytest.warns(UserWarning, match="is damaged"):
+        assert work.parts({"a": lambda: 5.0}) == {"a": 5.0}
 
 
 def test_nothing_is_kept_without_a_folder() -> None:

@@ -14,7 +14,7 @@ import pytest
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import Estimate, ReliabilityResult, Solution, Task
 from uqfold.methods.ask_tell import AskTellSession, SequentialMethod, Steps
-from uqfold.methods.session_file import SCHEMA, SessionFileError
+from uqfold.methods.session_file import SCHEMA, WITHOUT_DIGEST, SessionFileError
 from uqfold.problems import Problem
 from uqfold.problems.base import Unit
 from uqfold.problems.criterion import Binomial, Criterion, criteria
@@ -181,6 +181,42 @@ def test_responses_to_other_rows_are_refused(x: FloatArray, y: FloatArray, match
     assert same_numbers(finished(session), Walk().estimate(outside(SYSTEM.response), ASKED, rng=5))
 
 
+@pytest.mark.parametrize(
+    ("y", "named"),
+    [
+        (np.array([True, False, True]), "dtype bool"),
+        ([True, 1.0, 2.0], "a bool"),
+        (np.array([1, 2, 3], dtype="M8[s]"), "datetime64"),
+        (np.array([1, 2, 3], dtype="m8[s]"), "timedelta64"),
+        (np.zeros(3, dtype=[("y", float)]), "dtype"),
+        (["1_5", "2", "3"], "dtype <U3"),
+        (np.array([1.0 + 2.0j, 1.0, 2.0]), "complex"),
+        ([1.0 + 2.0j, 1.0, 2.0], "complex"),
+        ({"y": 1.0}, "dict"),
+    ],
+)
+def test_told_responses_that_are_no_numbers_are_refused(y: object, named: str) -> None:
+    session = Walk().start(outside(), ASKED, rng=5)
+    x = session.ask()
+    with pytest.raises(TypeError, match=named):
+        session.tell(x, y)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="x = "):
+        session.tell(x > 0.0, [1.0, 2.0, 3.0])
+    assert same_numbers(finished(session), Walk().estimate(outside(SYSTEM.response), ASKED, rng=5))
+
+
+@pytest.mark.parametrize(
+    "missing", [np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]), [1.0, None, 3.0], [1.0, np.nan, 3.0]]
+)
+def test_a_masked_entry_is_told_as_a_failed_run(missing: object) -> None:
+    session = Walk(batches=1).start(outside(), ASKED, rng=5)
+    session.tell(session.ask(), missing)  # type: ignore[arg-type]
+    assert session.result().n_failed == 1
+    column = Walk(batches=1).start(outside(), ASKED, rng=5)
+    column.tell(column.ask(), np.array([[1.0], [np.nan], [3.0]]))
+    assert same_numbers(column.result(), session.result())
+
+
 def test_order_of_calls_is_held() -> None:
     session = Walk(batches=1).start(outside(), ASKED, rng=5)
     with pytest.raises(RuntimeError, match="3 responses are still wanted"):
@@ -257,7 +293,10 @@ def test_rows_of_another_stream_are_refused(tmp_path: Path) -> None:
     with np.load(path) as archive:
         arrays = dict(archive)
     arrays["x"] = arrays["x"] + 1e-3
-    np.savez(path, **arrays)
+    # as it comes with a version of uqfold that kept no digest
+    del arrays["digest"]
+    header = json.loads(str(arrays["header"])) | {"schema": WITHOUT_DIGEST}
+    np.savez(path, **arrays | {"header": np.array(json.dumps(header))})
     with pytest.raises(SessionFileError, match="asks for other rows"):
         Walk().resume(path, outside(), ASKED)
 
@@ -304,12 +343,42 @@ def test_damaged_and_foreign_files_are_refused(tmp_path: Path) -> None:
         np.savez(path, **{**head, "rows": np.array(rows)})
         with pytest.raises(SessionFileError, match="do not fit together"):
             Walk().resume(path, outside(), ASKED)
-    changed = json.loads(str(head["header"])) | {"seed": 10**400}
+    # the former schema has no digest
+    changed = json.loads(str(head["header"])) | {"seed": 10**400, "schema": WITHOUT_DIGEST}
+    del head["digest"]
     np.savez(path, **{**head, "header": np.array(json.dumps(changed))})
     with pytest.raises(SessionFileError, match="its seed is 1000"):
         Walk().resume(path, outside(), ASKED, rng=5)
     with pytest.raises(FileNotFoundError):
         Walk().resume(tmp_path / "none.npz", outside(), ASKED)
+
+
+def test_another_response_in_a_file_is_damage_though_its_archive_is_sound(tmp_path: Path) -> None:
+    """What is read back is checked by digest."""
+    path = tmp_path / "walk.npz"
+    told(Walk().start(outside(), ASKED, rng=5), [0, 1]).save(path)
+    with np.load(path) as archive:
+        whole = dict(archive)
+    Walk().resume(path, outside(), ASKED)
+    header = json.loads(str(whole["header"]))
+    changes = [
+        {"y": np.where([True, False, False], 9.0, whole["y"])},
+        {"told": np.ones(3, dtype=np.bool_)},
+        {"digest": np.array("0" * 64)},
+        {"header": np.array(json.dumps({**header, "max_evals": 99}))},
+    ]
+    for change in changes:
+        np.savez(path, **{**whole, **change})
+        with pytest.raises(SessionFileError, match="does not have the digest"):
+            Walk().resume(path, outside(), ASKED)
+    del whole["digest"]
+    np.savez(path, **whole)
+    with pytest.raises(SessionFileError, match="does not have the digest"):
+        Walk().resume(path, outside(), ASKED)
+    # files of the former schema go on
+    np.savez(path, **whole | {"header": np.array(json.dumps(header | {"schema": WITHOUT_DIGEST}))})
+    resumed = Walk().resume(path, outside(), ASKED)
+    assert same_numbers(finished(resumed), Walk().estimate(outside(SYSTEM.response), ASKED, rng=5))
 
 
 def told(session: AskTellSession, rows: list[int], shift: float = 0.0) -> AskTellSession:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import concurrent.futures
-import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Literal, get_args
 
+from uqfold.checks import choice, function, instance, keep, or_none, real, whole
 from uqfold.evaluation.description import UndescribedError
 from uqfold.evaluation.executors import Executor, Futures, InProcess
 from uqfold.evaluation.identity import model_identity
@@ -75,18 +75,13 @@ class Evaluator:
     seconds_per_run: float | None = None
 
     def __post_init__(self) -> None:
-        if self.failed_runs not in get_args(FailedRunPolicy):
-            raise ValueError(
-                f"failed_runs = {self.failed_runs!r}: choose from {get_args(FailedRunPolicy)}"
-            )
-        if self.batch_rows is not None and self.batch_rows < 1:
-            raise ValueError(f"batch_rows = {self.batch_rows}: give at least 1, or None")
+        keep(self, "failed_runs", choice, get_args(FailedRunPolicy))
+        keep(self, "batch_rows", or_none, whole, at_least=1)
+        keep(self, "progress", or_none, function, "give a function of (runs so far, runs expected)")
+        keep(self, "watch", or_none, function, "give a function of a RunningEstimate")
         for name in ("max_seconds", "seconds_per_run"):
-            seconds = getattr(self, name)
-            if seconds is not None and not 0.0 < seconds < math.inf:
-                raise ValueError(f"{name} = {seconds}: give a positive number of seconds, or None")
-        if isinstance(self.store, str | PathLike):
-            object.__setattr__(self, "store", Store(self.store))
+            keep(self, name, or_none, real, above=0.0, what="number of seconds")
+        keep(self, "store", or_none, _as_store)
         if isinstance(self.executor, concurrent.futures.Executor):
             object.__setattr__(self, "executor", Futures(self.executor))
         if not (self.executor is None or isinstance(self.executor, Executor)):
@@ -150,6 +145,12 @@ class Evaluator:
         if not isinstance(executor, Executor):
             executor = _default_executor(model)
         return EvaluationSession(self, model, dimension, max_evals, executor, shelf, in_doubt)
+
+
+def _as_store(name: str, value: object) -> Store:
+    if isinstance(value, str | PathLike):
+        return Store(value)
+    return instance(name, value, Store, "give a Store or the path of its file")
 
 
 def _default_executor(model: Model) -> Executor:

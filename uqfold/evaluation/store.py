@@ -23,6 +23,7 @@ from types import TracebackType
 
 import numpy as np
 
+from uqfold import checks
 from uqfold.evaluation.errors import StoreError
 from uqfold.typing import FloatArray
 
@@ -69,6 +70,8 @@ class Store:
 
     Raises
     ------
+    TypeError, ValueError
+        If it is no path, or one that SQLite would keep in memory (``:memory:``).
     StoreError
         If the file cannot be opened or made, is something else, was written in another format, or
         is damaged. No file that is not a store is changed.
@@ -87,7 +90,7 @@ class Store:
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = _checked_path(path)
         self._lock = threading.Lock()
         self._process = os.getpid()
         try:
@@ -261,6 +264,16 @@ class Store:
         }
         told = next((text for start, text in reason.items() if name.startswith(start)), "failed")
         return StoreError(f"the store {self.path} {told} ({error})")
+
+
+def _checked_path(path: object) -> Path:
+    """Return the path of a file that outlives the program."""
+    given = checks.path("path", path)
+    text = str(given).strip()
+    if not text or Path(text).name == ":memory:" or text.startswith("file:"):
+        remedy = "give the path of a file; a database in memory keeps nothing"
+        raise checks.refused("path", text, remedy)
+    return given
 
 
 def _close_in(process: int, connection: sqlite3.Connection) -> None:

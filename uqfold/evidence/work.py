@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+from uqfold.comparison.sealed import read_sealed, write_sealed
 from uqfold.evidence.record import Tier
-from uqfold.writing import write_text
 
 Value = TypeVar("Value")
 
@@ -74,7 +74,7 @@ class Work:
         self.progress(0, total)
         for name, compute in computations.items():
             path = None if self.kept is None else self.kept / f"{_file_stem(name)}.json"
-            part = None if path is None else _read(path)
+            part = None if path is None else read_sealed(path)
             if part is None:
                 part = _computed(compute, path)
             else:
@@ -84,22 +84,12 @@ class Work:
         return results
 
 
-def _read(path: Path) -> Any:
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-
-
 def _computed(compute: Callable[[], Any], path: Path | None) -> Any:
     start = time.perf_counter()
     result = compute()
-    text = json.dumps({"result": result, "seconds": time.perf_counter() - start})
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, text)
+    part = {"result": result, "seconds": time.perf_counter() - start}
     # what is read after an interruption is the same to the last bit
-    return json.loads(text)
+    return json.loads(json.dumps(part)) if path is None else write_sealed(path, part)
 
 
 def _file_stem(name: str) -> str:

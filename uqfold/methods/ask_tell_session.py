@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uqfold.algebra import one_blas_thread
+from uqfold.checks import array
 from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
 from uqfold.methods.arguments import CriteriaLike, checked_evaluator
@@ -19,6 +20,7 @@ from uqfold.methods.base import OpenRun, Solution
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
+from uqfold.problems.responses import ResponseError, numbers_in
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
@@ -127,12 +129,15 @@ class AskTellSession:
         x
             Rows (n, d) of the last `ask`, all or some of them, in any order.
         y
-            Their responses (n,). +-inf are valid responses; NaN marks a failed run.
+            Their responses (n,) or (n, 1), real numbers. +-inf are valid responses; NaN, None or a
+            masked entry marks a failed run.
 
         Raises
         ------
         RuntimeError
             If the session is done.
+        TypeError
+            If `x` or `y` holds something that is no real number.
         ValueError
             If shapes do not fit, or a row was not asked for or has its response already; nothing
             is taken over then.
@@ -142,7 +147,7 @@ class AskTellSession:
         if self._asked is None:
             raise RuntimeError("the session is done: it takes no more responses")
         # adding zero turns -0.0 into 0.0, so that equal rows have equal bytes
-        rows, values = np.array(x, dtype=np.float64) + 0.0, np.array(y, dtype=np.float64)
+        rows, values = array("x", x, finite=False) + 0.0, _told_responses(y)
         d = self._asked.shape[1]
         if rows.ndim != 2 or rows.shape[1] != d or values.shape != rows.shape[:1]:
             raise ValueError(
@@ -261,6 +266,22 @@ class AskTellSession:
         except Exception as raised:
             self._error = raised
             raise
+
+
+def _told_responses(y: ArrayLike) -> FloatArray:
+    try:
+        values = numbers_in(y)
+    except ResponseError as error:
+        raise TypeError(f"y: {error}") from error
+    if _is_complex(y):
+        raise TypeError("y holds complex numbers: give real ones, NaN for a failed run")
+    return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+
+
+def _is_complex(y: object) -> bool:
+    if isinstance(y, list | tuple):
+        return any(_is_complex(one) for one in y)
+    return isinstance(y, complex) or getattr(y, "dtype", np.dtype(float)).kind == "c"
 
 
 def returned_by(stop: StopIteration) -> Solution:

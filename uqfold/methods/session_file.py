@@ -25,7 +25,9 @@ from uqfold.problems.criterion import Criterion
 from uqfold.typing import BoolArray, FloatArray, IntArray
 from uqfold.writing import replacing
 
-SCHEMA = "uqfold-session/1"
+SCHEMA = "uqfold-session/2"
+WITHOUT_DIGEST = "uqfold-session/1"
+"""The former schema, whose arrays only the checksums of the archive guard."""
 
 _ARRAYS = ("x", "y", "told", "rows")
 
@@ -126,14 +128,15 @@ def write(
             if target.exists() and target.stat().st_size:
                 _check_kept(read(target), head, batches, told)
             with replacing(target) as stream:
-                np.savez(
-                    stream,
-                    header=np.array(json.dumps({"schema": SCHEMA, **head})),
-                    x=np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
-                    y=np.concatenate([y for _, y in batches]) if batches else np.empty(0),
-                    told=told,
-                    rows=np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
-                )
+                text = json.dumps({"schema": SCHEMA, **head})
+                arrays: dict[str, np.ndarray[Any, Any]] = {
+                    "x": np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
+                    "y": np.concatenate([y for _, y in batches]) if batches else np.empty(0),
+                    "told": told,
+                    "rows": np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
+                }
+                digest = np.array(_digest(text, arrays.values()))
+                np.savez(stream, header=np.array(text), digest=digest, **arrays)  # type: ignore[arg-type]
     except LockedError as error:
         raise SessionFileError(f"{target} cannot be saved: {error}") from error
 
@@ -174,8 +177,10 @@ def read(path: str | PathLike[str]) -> SavedSession:
     source = Path(path)
     try:
         with source.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            head = json.loads(str(archive["header"]))
+            text = str(archive["header"])
+            head = json.loads(text)
             x, y, told, rows = (archive[name] for name in _ARRAYS)
+            digest = str(archive["digest"]) if "digest" in archive else None
     except FileNotFoundError:
         raise
     # what a damaged archive makes of NumPy, zip and JSON has no common kind: too deeply nested,
@@ -183,18 +188,30 @@ def read(path: str | PathLike[str]) -> SavedSession:
     except Exception as error:
         why = str(error) or type(error).__name__
         raise SessionFileError(f"{source} is no session file, or a damaged one: {why}") from error
-    if not isinstance(head, dict) or head.get("schema") != SCHEMA:
+    if not isinstance(head, dict) or head.get("schema") not in {SCHEMA, WITHOUT_DIGEST}:
         raise SessionFileError(f"{source} does not follow the format {SCHEMA!r}")
     if not _consistent(x, y, told, rows):
         raise SessionFileError(f"{source} is damaged: its arrays do not fit together")
     if not {"seed", "max_evals"} <= head.keys() or not _sound(head["seed"], head["max_evals"]):
         raise SessionFileError(f"{source} is damaged: it states no seed, or no budget")
+    guarded = head["schema"] == SCHEMA or digest is not None
+    if guarded and digest != _digest(text, (x, y, told, rows)):
+        raise SessionFileError(f"{source} is damaged: it does not have the digest that it states")
     ends = np.cumsum(rows)
     batches = [
         (x[end - n : end], y[end - n : end], told[end - n : end])
         for n, end in zip(rows, ends, strict=True)
     ]
     return SavedSession(source, head, batches)
+
+
+def _digest(header: str, arrays: Iterable[np.ndarray[Any, Any]]) -> str:
+    """Digest of all that a file holds, apart from the checksums of the archive itself."""
+    whole = hashlib.sha256(header.encode())
+    for one in arrays:
+        whole.update(f"{one.dtype.str} {one.shape} ".encode())
+        whole.update(np.ascontiguousarray(one).tobytes())
+    return whole.hexdigest()
 
 
 def _sound(seed: object, max_evals: object) -> bool:

@@ -1,6 +1,7 @@
 """Running a study: tables, seeds, the cache, a problem of the user's own."""
 
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -131,6 +132,24 @@ def test_a_second_run_reuses_and_gives_the_same(study: Study, tmp_path: Path) ->
     body = next(table for table in changed.tables() if table.name == "body")
     assert {title.split(" / ")[1] for title in seen} == {"mine"}
     assert {row["pf"] for row in body.rows if row["problem"] == "mine"} == {0.0}
+
+
+def test_a_damaged_entry_of_the_cache_is_computed_again_with_a_warning(
+    study: Study, tmp_path: Path
+) -> None:
+    first = list(StudyRunner(study, tmp_path / "cache").tables())
+    entries = sorted((tmp_path / "cache" / "jobs").iterdir())
+    for path in entries:
+        whole = path.read_text(encoding="utf-8")
+        digit = re.search(r"(?<=0\.)\d", whole.split("\n")[1])
+        assert digit is not None
+        at = whole.index("\n") + 1 + digit.start()
+        path.write_text(f"{whole[:at]}{9 - int(whole[at])}{whole[at + 1 :]}", encoding="utf-8")
+    with pytest.warns(UserWarning, match="is damaged, and left out") as caught:
+        second = list(StudyRunner(study, tmp_path / "cache").tables())
+    assert len(caught) == len(entries)
+    for one, other in zip(first, second, strict=True):
+        assert _same(one.rows, other.rows)
 
 
 def test_interruption_keeps_finished_jobs(study: Study, tmp_path: Path) -> None:

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import uqfold
-from uqfold.comparison.encoding import decoded, encoded, parsed_json
+from uqfold.comparison.encoding import decoded, encoded
 from uqfold.comparison.header import installed_versions
-from uqfold.writing import write_text
+from uqfold.comparison.sealed import read_sealed, write_sealed
 
 _ABOVE = {"cli", "report", "testing", "comparison"}
 """Rooms whose source changes no number; of the comparison the analyses do."""
@@ -35,29 +35,24 @@ class JobCache:
         self._folder = None if folder is None else folder / "jobs"
 
     def get(self, key: str, columns: Mapping[str, type]) -> list[dict[str, Any]] | None:
-        """Give the rows of a finished job, or None; what cannot be read counts as missing."""
-        if self._folder is None:
+        """Return the rows of a finished job, or None; a damaged file counts as none."""
+        kept = None if self._folder is None else read_sealed(self._folder / f"{key}.json")
+        if kept is None:
             return None
-        try:
-            text = (self._folder / f"{key}.json").read_text(encoding="utf-8")
-            rows = parsed_json(text)["rows"]
-            return [
-                {
-                    name: decoded(value, kind, name)
-                    for (name, kind), value in zip(columns.items(), row, strict=True)
-                }
-                for row in rows
-            ]
-        except (OSError, ValueError, KeyError, TypeError):
-            return None
+        return [
+            {
+                name: decoded(value, kind, name)
+                for (name, kind), value in zip(columns.items(), row, strict=True)
+            }
+            for row in kept["rows"]
+        ]
 
     def put(self, key: str, columns: Mapping[str, type], rows: Sequence[Mapping[str, Any]]) -> None:
         """Keep the rows of a finished job."""
         if self._folder is None:
             return
-        self._folder.mkdir(parents=True, exist_ok=True)
         values = [[encoded(kind(row[name])) for name, kind in columns.items()] for row in rows]
-        write_text(self._folder / f"{key}.json", json.dumps({"rows": values}, allow_nan=False))
+        write_sealed(self._folder / f"{key}.json", {"rows": values})
 
 
 def job_key(parts: Sequence[str]) -> str:
