@@ -273,3 +273,31 @@ def test_values_beyond_a_bound_have_infinite_normal_variables() -> None:
     np.testing.assert_allclose(u, [[-np.inf, 0.0], [np.inf, 0.0], [0.0, 3.0]], atol=1e-12)
     low, high = inputs.bounds
     assert (low.tolist(), high.tolist()) == ([1.0, -np.inf], [2.0, np.inf])
+
+
+def test_default_names_alone_are_replaced() -> None:
+    # two distributions that nobody named are both called X0
+    assert product_inputs(ot.Normal(), ot.Normal()).names == ("x1", "x2")
+    assert product_inputs([ot.Normal()], ot.Normal(2)).names == ("x1", "x2", "x3")
+
+
+@pytest.mark.parametrize(
+    ("shared", "individual"),
+    [
+        ({"X0": ot.Normal()}, ot.Normal()),
+        (ot.Normal(), {"X0": ot.Normal()}),
+        ({"X0": ot.Normal()}, {"X0": ot.Normal()}),
+        (named(ot.Normal(2), "X0", "speed"), ot.Normal()),
+    ],
+)
+def test_a_name_given_by_hand_is_never_replaced(shared: Any, individual: Any) -> None:
+    with pytest.raises(ValueError, match=r"input 'X0' is named twice: .*names="):
+        product_inputs(shared, individual)
+    count = 1 + len(product_inputs(shared, None).names)
+    given = [f"n{i}" for i in range(count)]
+    assert product_inputs(shared, individual, given).names == tuple(given)
+
+
+def test_names_are_text() -> None:
+    with pytest.raises(TypeError, match=r"names of inputs\[0\] = 1: give text"):
+        product_inputs(None, {1: ot.Normal()})

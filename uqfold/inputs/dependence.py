@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, called
-from uqfold.inputs.python_side import written_in_python
+from uqfold.inputs.python_side import WithoutCaches, uninterrupted, written_in_python
 from uqfold.typing import FloatArray
 
 _FURTHEST = 38.0  # a normal probability of 1e-316: further out lies nothing
+_SMALLEST, _LARGEST = 1e-300, 1.0 - 2.0**-53
 
 
 @dataclass(frozen=True, eq=False)
-class Part(ABC):
+class Part(WithoutCaches, ABC):
     """Inputs that depend on each other and on nothing else.
 
     Attributes
@@ -132,13 +133,13 @@ class _ByOpenTURNS(Part):
     def _inverse(self) -> Any:
         import openturns as ot
 
-        return ot.Function(ot.InverseRosenblattEvaluation(self.own))
+        return uninterrupted(ot.InverseRosenblattEvaluation(self.own))
 
     @cached_property
     def _forward(self) -> Any:
         import openturns as ot
 
-        return ot.Function(ot.RosenblattEvaluation(self.own))
+        return uninterrupted(ot.RosenblattEvaluation(self.own))
 
     def _rows(self, function: Any, rows: FloatArray) -> FloatArray:
         import openturns as ot
@@ -161,8 +162,15 @@ class CopulaPart(_ByOpenTURNS):
 
     def values(self, u: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
+        native = self._native(marginals)
+        if native is not None:
+            return self._rows(native, u)
+        from scipy.special import ndtri
+
         p = self._rows(self._inverse, u)
-        return _columns(m.quantile(p[:, i]) for i, m in enumerate(marginals))
+        # a level of 1 is one rounded up: no value is infinitely far out
+        z = ndtri(np.clip(p, _SMALLEST, _LARGEST))
+        return _columns(m.from_normal(z[:, i]) for i, m in enumerate(marginals))
 
     def normals(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
@@ -175,6 +183,19 @@ class CopulaPart(_ByOpenTURNS):
         if x.shape[1] == 1:
             return alone
         return np.asarray(alone + self._own_log_density(self._levels(x, some)))
+
+    def _native(self, marginals: Sequence[Marginal]) -> Any | None:
+        """Transformation by OpenTURNS alone, if it computes all marginals; the last one is kept."""
+        if not all(isinstance(m, OpenTURNSMarginal) and not m.python for m in marginals):
+            return None
+        known = self.__dict__.get("_kept")
+        if known is None or any(a is not b for a, b in zip(known[0], marginals, strict=True)):
+            import openturns as ot
+
+            joint = ot.JointDistribution([m.distribution for m in marginals], self.own)
+            known = tuple(marginals), uninterrupted(ot.InverseRosenblattEvaluation(joint))
+            self.__dict__["_kept"] = known
+        return known[1]
 
     def _levels(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         return _columns(m.cdf(x[:, i]) for i, m in enumerate(marginals))

@@ -11,7 +11,6 @@ Rosenblatt M. Remarks on a multivariate transformation. Ann. Math. Statist. 23 (
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,11 +26,9 @@ from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.gauss import gauss_rule
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, beyond, called
 from uqfold.inputs.parts import Parts, check_part, taken_apart
+from uqfold.inputs.python_side import WithoutCaches, uninterrupted
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
-
-_DEFAULT_NAME = re.compile(r"X\d+")
-"""What OpenTURNS calls the components of a distribution that nobody named."""
 
 _FIRST_ROWS, _MOST_ROWS = 64, 1 << 16
 _BLOCK_SECONDS = 0.25
@@ -53,7 +50,7 @@ def normal(mean: float, std: float) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class JointInputs:
+class JointInputs(WithoutCaches):
     """Ordered joint distribution of the shared inputs, then the individual ones.
 
     Attributes
@@ -166,7 +163,7 @@ class JointInputs:
         standard = [ot.Normal(0.0, 1.0)] * len(self._quick)
         own = [self.marginals[i] for i in self._quick]
         given, wanted = (standard, own) if from_normal else (own, standard)
-        return ot.Function(ot.MarginalTransformationEvaluation(given, wanted))
+        return uninterrupted(ot.MarginalTransformationEvaluation(given, wanted))
 
     @cached_property
     def means(self) -> FloatArray:
@@ -471,7 +468,7 @@ class _Names:
     def of(cls, given: Any, distribution: Any) -> _Names:
         """Names of a distribution; those of a mapping, or off their default places, are given."""
         own = tuple(str(name) for name in distribution.getDescription())
-        default = all(_DEFAULT_NAME.fullmatch(name) for name in own)
+        default = all(name == f"X{i}" for i, name in enumerate(own))
         return cls(own, isinstance(given, Mapping) or not default)
 
 

@@ -17,7 +17,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from uqfold.inputs.moments import finite_moments, with_moments
-from uqfold.inputs.python_side import interrupt_deferred, written_in_python
+from uqfold.inputs.python_side import (
+    WithoutCaches,
+    interrupt_deferred,
+    written_in_python,
+)
 from uqfold.typing import FloatArray
 
 _LAST = 2.0**-53
@@ -56,7 +60,7 @@ class Law(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Marginal(ABC):
+class Marginal(WithoutCaches, ABC):
     """Distribution of one input.
 
     Attributes
@@ -74,10 +78,6 @@ class Marginal(ABC):
     @abstractmethod
     def to_normal(self, x: FloatArray) -> FloatArray:
         """Map the input's values (n,) to standard-normal ones (n,), infinite beyond its bounds."""
-
-    @abstractmethod
-    def quantile(self, p: FloatArray) -> FloatArray:
-        """Quantiles (n,) of the lower probabilities p (n,)."""
 
     @abstractmethod
     def cdf(self, x: FloatArray) -> FloatArray:
@@ -156,7 +156,7 @@ class OpenTURNSMarginal(Marginal):
         return beyond(self.bounds, x, self._column(self._to_normal, x))
 
     def quantile(self, p: FloatArray) -> FloatArray:
-        """See `Marginal`."""
+        """Quantiles (n,) of the lower probabilities p (n,)."""
         found = called(self.distribution.computeQuantile, p.tolist(), python=self.python)
         return np.array(found, dtype=np.float64).ravel()
 
@@ -247,10 +247,6 @@ class DirectMarginal(Marginal):
         u = np.asarray(np.where(below < above, ndtri(below), -ndtri(above)))
         return beyond(self.bounds, x, u)
 
-    def quantile(self, p: FloatArray) -> FloatArray:
-        """See `Marginal`."""
-        return np.clip(self._quantiles(self.law.ppf, p), *self.bounds)
-
     def cdf(self, x: FloatArray) -> FloatArray:
         """See `Marginal`."""
         return _values(self.law.cdf, x)
@@ -317,11 +313,22 @@ def column_of(function: Any, x: FloatArray, *, python: bool) -> FloatArray:
 
 
 def called(function: Callable[..., Any], *arguments: Any, python: bool) -> Any:
-    """Call OpenTURNS; where it calls Python in turn, Ctrl-C waits."""
-    if not python:
-        return function(*arguments)
-    with interrupt_deferred():
-        return function(*arguments)
+    """Call OpenTURNS; where it calls Python in turn, Ctrl-C waits.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Also where OpenTURNS makes an error of its own of Ctrl-C.
+    """
+    try:
+        if not python:
+            return function(*arguments)
+        with interrupt_deferred():
+            return function(*arguments)
+    except (RuntimeError, TypeError) as error:
+        if "Interruption in" in str(error) or "KeyboardInterrupt" in str(error):
+            raise KeyboardInterrupt from error
+        raise
 
 
 def _values(function: Callable[[FloatArray], Any], x: FloatArray) -> FloatArray:

@@ -1,19 +1,65 @@
-"""Distributions written in Python behind OpenTURNS' interface.
+"""Where Python meets the compiled loops of OpenTURNS: Ctrl-C, and distributions written in Python.
 
-OpenTURNS calls them value by value. Whatever such a call raises, Ctrl-C above all, passes through
-its compiled loops, which ends the whole process. So Ctrl-C waits until the call has returned.
+While any of its functions runs, OpenTURNS has a handler of its own for Ctrl-C, which throws a C++
+exception wherever the program is, in whatever thread
+(https://github.com/openturns/openturns/issues/3135): often the end of the process, otherwise an
+error like any other. Whatever a distribution written in Python raises passes through the same
+loops. So a Python function that OpenTURNS calls puts Python's handler back first, and Ctrl-C waits
+until OpenTURNS has returned.
 """
 
 from __future__ import annotations
 
+import ctypes
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from typing import Any
 
 _KIND = "class=PythonDistribution"
+
+_get_c_handler, _set_c_handler = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
+_get_c_handler.restype, _get_c_handler.argtypes = ctypes.c_void_p, [ctypes.c_int]
+_set_c_handler.restype, _set_c_handler.argtypes = ctypes.c_void_p, [ctypes.c_int, ctypes.c_void_p]
+_OF_PYTHON = _get_c_handler(signal.SIGINT) if callable(signal.getsignal(signal.SIGINT)) else None
+"""What the operating system calls where Python has a handler; taken before OpenTURNS runs."""
+
+
+def reclaim_interrupt() -> None:
+    """Put Python's own handler for Ctrl-C back in place, in any thread."""
+    handler = signal.getsignal(signal.SIGINT)
+    if not callable(handler):
+        if handler is not None:
+            _set_c_handler(signal.SIGINT, int(handler) or None)
+    elif _OF_PYTHON is not None:
+        _set_c_handler(signal.SIGINT, _OF_PYTHON)
+    elif threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, handler)
+
+
+def uninterrupted(function: Any) -> Any:
+    """Return an OpenTURNS function through which Ctrl-C waits until it has returned."""
+    import openturns as ot
+
+    d = function.getInputDimension()
+
+    def same(rows: Any) -> Any:
+        reclaim_interrupt()
+        return rows
+
+    return ot.ComposedFunction(
+        ot.Function(function), ot.PythonFunction(d, d, same, func_sample=same)
+    )
+
+
+class WithoutCaches:
+    """Pickles the fields of a record and not what was computed from them."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {one.name: getattr(self, one.name) for one in fields(self)}  # type: ignore[arg-type]
 
 
 def written_in_python(distribution: Any) -> bool:

@@ -19,6 +19,7 @@ import numpy as np
 
 from uqfold.checks import choice, keep, real, refused, several, whole
 from uqfold.evaluation import BudgetExceededError, FailedRunError
+from uqfold.inputs.python_side import reclaim_interrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import (
     LOOSE_RESIDUAL,
@@ -27,7 +28,6 @@ from uqfold.methods.design_point import (
     common_start,
     verdict,
 )
-from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,

@@ -13,9 +13,9 @@ import numpy as np
 
 from uqfold.checks import keep, real, whole
 from uqfold.evaluation import TimeLimitError
+from uqfold.inputs.python_side import reclaim_interrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
-from uqfold.methods.openturns_interrupt import reclaim_interrupt
 from uqfold.methods.result import Estimate, Status
 from uqfold.methods.system_sample import BLOCK_VALUES, too_large
 from uqfold.methods.theory import Theory
