@@ -242,7 +242,7 @@ def process(size: int = 30) -> GaussianProcess:
     return fit_gaussian_process(u, plane(u), trend=1)
 
 
-QUESTION = Question(2, 0, 1, (Criterion(2.5), Criterion(4.0)))
+QUESTION = Question(2, 0, 1, (Criterion(2.5), Criterion(4.0)), np.tile(np.arange(2), (2, 1)))
 
 
 def test_view_states_index_error_and_shift() -> None:

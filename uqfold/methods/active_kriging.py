@@ -61,7 +61,8 @@ class ActiveKrigingDetails:
     history_runs
         Training runs (S,) at each step of learning.
     history_beta, history_std
-        Reliability indices (S, n_criteria), cut at +-8, and their stated standard deviations.
+        Reliability indices (S, C), cut at +-8, and their stated standard deviations: of all
+        criteria, or of 200 spread among more.
     checks
         The checks by runs kept out of the training set. The runs of a check that failed have
         joined it afterwards.
@@ -182,11 +183,19 @@ class ActiveKriging(SequentialMethod):
         fits = KernelFits(kernels, self.noise)
         stability, checks, why = Stability(self.tolerance), list[Check](), ""
         while True:
-            runs = DesignRuns(u, y, y.size)
-            if not runs.fittable:
-                return runs.without_surface(task)
-            surface = fits.fit(runs.u[runs.finite], runs.y[runs.finite])
-            view = View.of(surface, Question.of(task, runs), rng)
+            known = DesignRuns(u, y, y.size)
+            if not known.fittable:
+                return known.without_surface(task)
+            try:
+                fit = fits.fit(known.u[known.finite], known.y[known.finite])
+                view = View.of(fit, Question.of(task, known), rng)
+            except TimeLimitError as error:
+                if not stability.views:
+                    raise
+                # what was learned before is an answer
+                why = str(error)
+                break
+            runs, surface = known, fit
             stability.views.append(view)
             if task.session.watched:
                 task.session.report(view.running())
@@ -195,11 +204,11 @@ class ActiveKriging(SequentialMethod):
                 why = stability.unfinished(checks)
                 break
             check_now = stability.reached and left >= self.controls
-            if check_now:
-                new = control_points(view, self.controls, rng)
-            else:
-                new = self._next(view, runs, min(self.batch, left), rng)
             try:
+                if check_now:
+                    new = control_points(view, self.controls, rng)
+                else:
+                    new = self._next(view, runs, min(self.batch, left), rng)
                 answer = yield inputs.from_standard_normal(new)
             except TimeLimitError as error:
                 why = str(error)
@@ -209,12 +218,14 @@ class ActiveKriging(SequentialMethod):
                 if checks[-1].passed:
                     break
             u, y = np.concatenate([u, new]), np.concatenate([y, answer])
+        view = stability.views[-1]
         trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
         estimates = surface_estimates(
             task, surface, runs, rng,
             noise=surface.noise_std,
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
-            beta_std=max(1.0, *trust) * view.beta_std,
+            beta_std=max(1.0, *trust) * view.question.for_all(view.beta_std),
+            stated_noise=self.noise,
         )  # fmt: skip
         estimates = [
             _qualified(estimate, why, _doubts(criterion, surface))

@@ -16,11 +16,13 @@ from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE
 from uqfold.system.missions import over_missions
 from uqfold.system.surface_rule import plan_surface
-from uqfold.typing import BoolArray, FloatArray
+from uqfold.typing import BoolArray, FloatArray, IntArray
 
 # Points of the integration over the surface at every step of learning: enough to see how much the
 # answers still move. The final answers take many more.
 _COARSE_POINTS = 6_000
+MOST_LEARNED = 200
+"""Criteria that decide where to learn; more of them are answered, but add nothing to that."""
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 
 
@@ -90,7 +92,9 @@ class Question:
     units
         Number of exchangeable units in series.
     criteria
-        The criteria.
+        The criteria that are learned from: all, or some spread among many.
+    neighbours
+        Positions (2, n) in `criteria` of those on both sides of each criterion of the task.
     usable
         Tells where responses (of points (n, d)) are finite, or None: everywhere.
     """
@@ -99,6 +103,7 @@ class Question:
     n_shared: int
     units: int
     criteria: tuple[Criterion, ...]
+    neighbours: IntArray
     usable: Callable[[FloatArray], BoolArray] | None = None
 
     @classmethod
@@ -113,9 +118,13 @@ class Question:
             inputs.dimension,
             inputs.n_shared,
             task.problem.n_units,
-            task.criteria,
+            *_spread_among(task.criteria),
             None if runs.complete else usable,
         )
+
+    def for_all(self, errors: FloatArray) -> FloatArray:
+        """Errors (n,) of all criteria from those (C,) learned from: the larger of both sides'."""
+        return np.asarray(errors[self.neighbours].max(axis=0))
 
     @property
     def together(self) -> bool:
@@ -148,6 +157,26 @@ class Question:
             for column, criterion in zip(failure.T, self.criteria, strict=True)
         ]
         return Answers(self, np.array(pf), rule.shared_nodes, found)
+
+
+def _spread_among(criteria: tuple[Criterion, ...]) -> tuple[tuple[Criterion, ...], IntArray]:
+    """Some of many criteria, and for each of all the positions of its two neighbours in them."""
+    n = len(criteria)
+    if n <= MOST_LEARNED:
+        return criteria, np.tile(np.arange(n), (2, 1))
+
+    def key(row: int) -> tuple[float, str, float]:
+        criterion = criteria[row]
+        tau = -1.0 if criterion.tau is None else criterion.tau
+        return tau, str(criterion.missions), criterion.threshold
+
+    order = np.array(sorted(range(n), key=key))
+    kept = np.unique(np.linspace(0, n - 1, MOST_LEARNED).round().astype(np.int64))
+    rank = np.empty(n, dtype=np.int64)
+    rank[order] = np.arange(n)
+    after = np.searchsorted(kept, rank)
+    before = np.where(kept[after] == rank, after, after - 1)
+    return tuple(criteria[row] for row in order[kept]), np.stack([before, after])
 
 
 def normal_density(y: float, mean: FloatArray, std: FloatArray) -> FloatArray:

@@ -30,7 +30,7 @@ class DesignRuns:
     asked
         How many runs the settings ask for.
     stopped
-        Why there are fewer than planned; empty if there are not.
+        Why there are fewer than planned, or less was made of them; empty if nothing stopped it.
     """
 
     u: FloatArray

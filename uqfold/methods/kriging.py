@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeAlias, get_args
 
 from uqfold.checks import choice, keep, or_none, real, whole
+from uqfold.evaluation import TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
@@ -123,35 +124,49 @@ class Kriging(SequentialMethod):
         runs = yield from design_runs(task, u, self.runs, least)
         if not runs.fittable:
             return runs.without_surface(task)
-        surface, *others = self._fitted(task, runs)
+        fits, stopped = self._fitted(task, runs)
+        surface, *others = fits
+        if stopped:
+            runs = replace(runs, stopped=stopped)
         estimates = surface_estimates(
             task, surface, runs, task.generator(1),
             noise=surface.noise_std,
             rivals=[Rival.by_prediction(surface, other) for other in others],
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // size),
+            stated_noise=self.noise,
         )  # fmt: skip
         validated = surface.leave_one_out()
         scatter = float(surface.y.std())
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
         return Solution(estimates, KrigingDetails(surface, validated, relative))
 
-    def _fitted(self, task: Task, runs: DesignRuns) -> list[GaussianProcess]:
-        """Processes with the trends and kernels that are tried, the best one first."""
+    def _fitted(self, task: Task, runs: DesignRuns) -> tuple[list[GaussianProcess], str]:
+        """Processes with the trends and kernels that are tried, the best one first.
+
+        When the time is over, those that are there, and why there are no more.
+        """
         u, y = runs.u[runs.finite], runs.y[runs.finite]
         names = ("quadratic", "pce") if self.trend == "best" else (self.trend,)
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
         found: list[tuple[float, GaussianProcess]] = []
-        for name in names:
-            picked = name == "pce"
-            trend: int | IntArray
-            trend = fit_polynomial_chaos(u, y).indices if picked else _DEGREES[name]
-            for kernel in kernels:
-                fit = fit_gaussian_process(
-                    u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
-                )
-                # terms picked with all responses foretell those left out better than new ones:
-                # each counts as one parameter fitted, as in Akaike's criterion
-                optimism = fit.trend.shape[0] / y.size if picked else 0.0
-                found.append((fit.leave_one_out().log_density - optimism, fit))
-        return [fit for _, fit in sorted(found, key=lambda pair: pair[0], reverse=True)]
+        stopped = ""
+        try:
+            for name in names:
+                picked = name == "pce"
+                trend: int | IntArray
+                trend = fit_polynomial_chaos(u, y).indices if picked else _DEGREES[name]
+                for kernel in kernels:
+                    fit = fit_gaussian_process(
+                        u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
+                    )
+                    # terms picked with all responses foretell those left out better than new
+                    # ones: each counts as one parameter fitted, as in Akaike's criterion
+                    optimism = fit.trend.shape[0] / y.size if picked else 0.0
+                    found.append((fit.leave_one_out().log_density - optimism, fit))
+        except TimeLimitError as error:
+            if not found:
+                raise
+            stopped = f"{len(found)} of {len(names) * len(kernels)} surfaces fitted; {error}"
+        found.sort(key=lambda pair: pair[0], reverse=True)
+        return [fit for _, fit in found], stopped

@@ -11,19 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Protocol
 
 import numpy as np
 
-from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import Task, attempt
+from uqfold.methods.base import Task
+from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.system.conditional import SystemProbability
-from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray
 
@@ -87,6 +86,7 @@ def surface_estimates(
     rivals: Sequence[Rival] = (),
     max_points: int = MAX_POINTS,
     beta_std: FloatArray | None = None,
+    stated_noise: float | None = None,
 ) -> list[Estimate]:
     """Answer the criteria of a task from a fitted surface.
 
@@ -111,6 +111,8 @@ def surface_estimates(
         Standard deviations (n_criteria,) of the reliability indices, from a caller who judges
         the surface himself; None: from surfaces drawn from the posterior, and the surface is
         judged by cross-validation.
+    stated_noise
+        The noise that the settings state; None where it is learned.
     """
     problem = task.problem
     inputs = problem.inputs
@@ -121,16 +123,25 @@ def surface_estimates(
     outcomes = None if runs.complete else runs.outcomes
     validated = surface.leave_one_out()
     doubts = _doubts(runs, validated if beta_std is None else None, system)
+    if validated.contradicts(stated_noise):
+        doubts.append(
+            f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
+            f"{validated.rms:.2g}, {validated.ratio:.2g} times what the surface states"
+        )
 
-    paths = surface.sample_paths(rng, _DRAWS) if beta_std is None else None
+    responses = system.responses(surface.mean, outcomes, noise)
+    own_spread = beta_std
+    if own_spread is None:
+        paths = surface.sample_paths(rng, _DRAWS)
+
+        def others(u: FloatArray) -> FloatArray:
+            return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
+
+        drawn = system.coarse_responses(surface.mean, others, outcomes, noise)
     shares = np.array([rival.share for rival in rivals])
 
-    def others(u: FloatArray) -> FloatArray:
-        assert paths is not None
-        return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
-
-    def spread_of_answers(criteria: Sequence[Criterion]) -> FloatArray:
-        changes = system.changes(surface.mean, others, criteria, outcomes, noise)
+    def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
+        changes = system.changes_given(drawn, criteria)
         # a surface that misses its own runs by more than it says is believed nowhere
         spread = max(1.0, validated.ratio) * changes[:_DRAWS].std(axis=0, ddof=1)
         if rivals:
@@ -140,44 +151,47 @@ def surface_estimates(
 
     def answers(rows: Sequence[int]) -> list[Estimate]:
         criteria = [task.criteria[row] for row in rows]
-        found = system.failures(surface.mean, criteria, outcomes, noise)
-        spread = spread_of_answers(criteria) if beta_std is None else beta_std[list(rows)]
-        return [_estimate(*pair, doubts, runs) for pair in zip(found, spread, strict=True)]
+        found = system.failures_given(responses, criteria)
+        spread = spread_of(criteria) if own_spread is None else own_spread[list(rows)]
+        return _estimates(found, spread, doubts, runs)
 
-    def alone(row: int) -> Estimate:
-        return answers([row])[0]
+    return estimates_by_blocks(len(task.criteria), answers)
 
-    every = range(len(task.criteria))
-    try:
-        return answers(every)
-    except TimeLimitError:
-        raise
-    except (ArithmeticError, RuntimeError, ValueError):
-        # one criterion cannot be integrated: the others still get their answers, one by one
-        return [attempt(partial(alone, row)) for row in every]
+
+def _estimates(
+    found: Sequence[SystemProbability], spread: FloatArray, doubts: list[str], runs: DesignRuns
+) -> list[Estimate]:
+    from scipy.special import ndtr
+
+    beta = reliability_indices(found)
+    spread = np.hypot(spread, _INTEGRATION_ERROR)
+    std_error = np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi) * spread
+    low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
+    numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
+    return [
+        _estimate(one, *errors, doubts, runs) for one, errors in zip(found, numbers, strict=True)
+    ]
 
 
 def _estimate(
-    found: SystemProbability, spread: float, doubts: list[str], runs: DesignRuns
+    found: SystemProbability,
+    std_error: float,
+    low: float,
+    high: float,
+    doubts: list[str],
+    runs: DesignRuns,
 ) -> Estimate:
-    from scipy.special import ndtr
-
-    beta = reliability_index(found)
-    spread = math.hypot(spread, _INTEGRATION_ERROR)
-    density = math.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi)
-    std_error = density * spread
     certain = found.pf in (0.0, 1.0)
-    low, high = (float(ndtr(-beta + sign * _T95 * spread)) for sign in (-1.0, 1.0))
     if not certain and std_error > _WIDE * min(found.pf, found.reliability):
         doubts = [*doubts, f"the stated error is above {_WIDE:.0%} of pf or of the reliability"]
     if not runs.complete:
         # what the surface says about its own error says nothing about what it does not describe
         std_error = low = high = math.nan
         certain = False
-    exhausted = runs.y.size < runs.asked
+    exhausted = runs.y.size < runs.asked or bool(runs.stopped)
     if exhausted:
         note = [f"{runs.y.size} of the {runs.asked} runs that the settings ask for"]
-        note += [runs.stopped] if runs.stopped else []
+        note = [*note[runs.y.size == runs.asked :], *([runs.stopped] if runs.stopped else [])]
     return Estimate(
         pf=found.pf,
         reliability=found.reliability,

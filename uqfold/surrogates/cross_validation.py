@@ -9,6 +9,9 @@ import numpy as np
 
 from uqfold.typing import FloatArray
 
+# Factor between stated and actual scatter that no sample of a dozen runs or more shows by chance.
+_CONTRADICTION = 2.0
+
 
 @dataclass(frozen=True, eq=False)
 class LeaveOneOut:
@@ -35,6 +38,16 @@ class LeaveOneOut:
         """Root mean square of residuals in units of their stated standard deviation."""
         stated = np.maximum(self.std, np.finfo(float).tiny)
         return math.sqrt(float(np.mean((self.residuals / stated) ** 2)))
+
+    def contradicts(self, noise: float | None) -> bool:
+        """Whether a stated noise cannot be that of these residuals; None: none was stated.
+
+        Every residual holds the noise of its own run: far smaller ones belong to less noise, and
+        far larger ones than the surface states to more.
+        """
+        return noise is not None and (
+            self.rms < noise / _CONTRADICTION or self.ratio > _CONTRADICTION
+        )
 
     @property
     def log_density(self) -> float:

@@ -43,6 +43,8 @@ from uqfold.typing import FloatArray, IntArray
 _CHUNK = 2048
 # Hyperparameters are learned on at most so many points: the cost grows with the cube.
 _LEARNED_ON = 300
+# Squared differences of coordinates of these points: bounds memory where variables are many.
+_MOST_SQUARES = 40_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,8 +230,9 @@ def fit_gaussian_process(
         raise ValueError("u and y must be finite: leave out failed runs and infinite responses")
     if noise is not None and not (math.isfinite(noise) and noise >= 0.0):
         raise ValueError(f"noise = {noise}: give a standard deviation >= 0, or None to learn it")
+    learned_on = min(_LEARNED_ON, math.isqrt(_MOST_SQUARES // u.shape[1]))
     few = np.arange(y.size)
-    indices = _trend_indices(trend, u.shape[1], min(y.size, _LEARNED_ON) // 2)
+    indices = _trend_indices(trend, u.shape[1], min(y.size, learned_on) // 2)
     centre, scale = centre_of(y), float(y.std())
     if scale <= 1e-14 * abs(centre):
         # a constant response: nothing to learn
@@ -240,8 +243,8 @@ def fit_gaussian_process(
         starts = [start.hyperparameters.scaled(1.0 / scale)]
     else:
         starts = Starts(rng, u.shape[1]).draw(2)
-    if y.size > _LEARNED_ON:
-        few = rng.choice(y.size, _LEARNED_ON, replace=False)
+    if y.size > learned_on:
+        few = rng.choice(y.size, learned_on, replace=False)
     found = estimate_hyperparameters(
         u[few],
         (y[few] - centre) / scale,

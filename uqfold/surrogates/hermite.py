@@ -6,7 +6,7 @@ A multi-index a = (a_1, ..., a_d) stands for the product of the polynomials of d
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import chain, combinations_with_replacement
 
 import numpy as np
 
@@ -23,13 +23,19 @@ def total_degree_indices(dimension: int, degree: int) -> IntArray:
     """
     if dimension < 1 or degree < 0:
         raise ValueError(f"{dimension} variables, degree {degree}: need d >= 1 and degree >= 0")
-    rows = []
-    for total in range(degree + 1):
-        # stars and bars: bars between the variables
-        for bars in combinations(range(total + dimension - 1), dimension - 1):
-            edges = (-1, *bars, total + dimension - 1)
-            rows.append([edges[i + 1] - edges[i] - 1 for i in range(dimension)])
-    return np.array(rows, dtype=np.int64)
+    return np.concatenate([fixed_degree_indices(dimension, one) for one in range(degree + 1)])
+
+
+def fixed_degree_indices(dimension: int, degree: int) -> IntArray:
+    """Return all multi-indices (P, d) of one total degree, in lexicographic order."""
+    count = math.comb(dimension + degree - 1, degree)
+    factors = combinations_with_replacement(range(dimension), degree)
+    variables = np.fromiter(chain.from_iterable(factors), dtype=np.int64, count=count * degree)
+    variables = variables.reshape(count, degree)
+    indices = np.zeros((count, dimension), dtype=np.int64)
+    for variable in variables.T:
+        indices[np.arange(count), variable] += 1
+    return indices[::-1]
 
 
 def hermite_basis(u: FloatArray, indices: IntArray) -> FloatArray:
@@ -51,7 +57,9 @@ def hermite_basis(u: FloatArray, indices: IntArray) -> FloatArray:
     basis = np.ones((u.shape[0], indices.shape[0]))
     for column, degree in enumerate(degrees):
         if degree > 0:
-            basis *= one_dimensional(u[:, column], int(degree))[:, indices[:, column]]
+            # of many variables, most polynomials hold few
+            some = np.flatnonzero(indices[:, column])
+            basis[:, some] *= one_dimensional(u[:, column], int(degree))[:, indices[some, column]]
     return basis
 
 

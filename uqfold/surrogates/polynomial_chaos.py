@@ -26,7 +26,7 @@ import numpy as np
 from uqfold.algebra import one_blas_thread
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.hermite import hermite_basis, rescaled, total_degree_indices
+from uqfold.surrogates.hermite import fixed_degree_indices, hermite_basis, rescaled
 from uqfold.surrogates.random_field import RandomField, random_field
 from uqfold.surrogates.selection import Regression, select_basis
 from uqfold.time_limit import check_time
@@ -34,8 +34,8 @@ from uqfold.typing import FloatArray, IntArray
 
 _CHUNK = 8192
 _FEATURES = 256
-# Most polynomials of the next degree that stand for what was left out.
-_OMITTED = 200
+# Most polynomials of the next degree that stand for what was left out, and from how many.
+_OMITTED, _MOST_OMITTED = 200, 100_000
 
 
 @dataclass(frozen=True)
@@ -117,9 +117,9 @@ class PolynomialChaosExpansion:
         fit, d = self.regression, self.indices.shape[1]
         scatter = fit.root_covariance @ rng.standard_normal((fit.root_covariance.shape[1], count))
         drawn = self.transfer @ (self.residual_std * scatter)
-        every = total_degree_indices(d, self.degree + 1)
-        omitted = every[every.sum(axis=1) == self.degree + 1]
-        shares = _multinomial(omitted, self.sobol_indices().total)
+        influence = self.sobol_indices().total
+        omitted = _next_degree(influence, self.degree + 1)
+        shares = _multinomial(omitted, influence)
         kept = np.argsort(-shares, kind="stable")[:_OMITTED]
         error = self.leave_one_out().rms
         size = error * np.sqrt(shares[kept] / shares[kept].sum())
@@ -272,6 +272,21 @@ def fit_basis(
         return evaluate(points, indices, coefficients[:, None])[:, 0] + centre
 
     return mean
+
+
+def _next_degree(influence: FloatArray, degree: int) -> IntArray:
+    """Multi-indices (P, d) of one degree; of too many variables only the influential ones occur."""
+    d = influence.size
+    count = d
+    while math.comb(count + degree - 1, degree) > _MOST_OMITTED and count > 1:
+        count -= 1
+    if count == d:
+        return fixed_degree_indices(d, degree)
+    kept = np.sort(np.argsort(-np.nan_to_num(influence), kind="stable")[:count])
+    few = fixed_degree_indices(count, degree)
+    indices = np.zeros((few.shape[0], d), dtype=np.int64)
+    indices[:, kept] = few
+    return indices
 
 
 def _multinomial(indices: IntArray, influence: FloatArray) -> FloatArray:

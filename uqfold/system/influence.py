@@ -30,6 +30,7 @@ import numpy as np
 from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 _ALMOST_SURE = 1.0 - 2.0**-53
@@ -85,22 +86,24 @@ def influences(
         return [Influence(math.nan, c.threshold, 0.0, nothing, nothing) for c in criteria]
     table = _Scores.of(distribution)
     found = []
-    for criterion in criteria:
-        failure, jump, y, slope = _of_mission(distribution, table, units, criterion)
+    late = distribution.sf(np.array([criterion.threshold for criterion in criteria]))
+    for criterion, sf in zip(criteria, late.tolist(), strict=True):
+        check_time()
+        failure, jump, y, slope = _of_mission(sf, table, units, criterion)
         factor = units * _mission_factor(criterion, failure)
         found.append(Influence(failure, criterion.threshold, factor * jump, y, factor * slope))
     return found
 
 
 def _of_mission(
-    distribution: ConditionalDistribution,
+    sf: float,
     table: _Scores | None,
     n: int,
     criterion: Criterion,
 ) -> tuple[float, float, FloatArray, FloatArray]:
     """Failure, jump and tabulated rest of one mission, per unit."""
     threshold, tau = criterion.threshold, criterion.tau
-    log_works = math.log1p(-min(float(distribution.sf(threshold)), _ALMOST_SURE))
+    log_works = math.log1p(-min(sf, _ALMOST_SURE))
     failure = -math.expm1(n * log_works)
     if tau is None or n == 1 or table is None:
         return failure, math.exp((n - 1) * log_works), np.empty(0), np.empty(0)

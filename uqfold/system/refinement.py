@@ -28,6 +28,7 @@ STATIONS = (41, 65, 129, 257)
 _MANY = 8
 _COMPARED_SCORES = np.linspace(-6.2, 6.2, 17)
 _LOOK_AT, _SPREAD, _STEP = 256, 1.7, 0.05
+_MOST_NUMBERS = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +48,14 @@ class Axes:
     def of(cls, surface: Surface, dimension: int, n_shared: int) -> Axes:
         """Directions of falling influence over body and tails."""
         centre = _SPREAD * np.random.default_rng(0).standard_normal((_LOOK_AT, dimension))
-        shifts = _STEP * np.eye(dimension)
-        points = np.vstack([centre + sign * shift for shift in shifts for sign in (1.0, -1.0)])
-        values = surface(points).reshape(dimension, 2, _LOOK_AT)
-        gradients = (values[:, 0] - values[:, 1]).T
+        gradients = np.empty((_LOOK_AT, dimension))
+        # several variables at a time, but not all of many: the points would fill the memory
+        block = max(1, _MOST_NUMBERS // (2 * _LOOK_AT * dimension))
+        for start in range(0, dimension, block):
+            shifts = _STEP * np.eye(dimension)[start : start + block]
+            points = np.vstack([centre + sign * shift for shift in shifts for sign in (1.0, -1.0)])
+            values = surface(points).reshape(len(shifts), 2, _LOOK_AT)
+            gradients[:, start : start + block] = (values[:, 0] - values[:, 1]).T
         return cls(_principal(gradients[:, :n_shared]), _principal(gradients[:, n_shared:]))
 
     @property

@@ -15,11 +15,16 @@ import numpy as np
 
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
 Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 """Takes u (n, d), gives the kinds of outcome (n,): see `uqfold.system.lines`."""
+
+
+# Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
+_MOST_NUMBERS = 20_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +85,7 @@ class SurfaceSystem:
         plan = plan_surface(surface, dimension, 0 if together else n_shared, most)
         if not complete:
             plan = plan.for_outcomes()
+        max_points = min(max_points, _MOST_NUMBERS // dimension)
         return cls(plan.rule(max_points), plan.coarse_rule(), units, together)
 
     def failures(
@@ -107,9 +113,21 @@ class SurfaceSystem:
         ValueError
             If the surface gives a value that is not finite.
         """
+        return self.failures_given(self.responses(surface, outcomes, noise), criteria)
+
+    def responses(
+        self, surface: Surface, outcomes: Outcomes | None = None, noise: float = 0.0
+    ) -> list[ConditionalResponse]:
+        """Conditional responses at the shared nodes, which answer any criteria."""
         points = self.rule.points
         kinds = None if outcomes is None else outcomes(points)
-        return self._answer(self.rule, surface(points), criteria, kinds, noise)
+        return self.rule.responses(surface(points), kinds, noise)
+
+    def failures_given(
+        self, responses: Sequence[ConditionalResponse], criteria: Sequence[Criterion]
+    ) -> list[SystemProbability]:
+        """Failure probability under each criterion from `responses`."""
+        return self._answer(self.rule, responses, criteria)
 
     def changes(
         self,
@@ -135,28 +153,38 @@ class SurfaceSystem:
         FloatArray
             Changes (R, len(criteria)); 0 where pf is 0 or 1 with all surfaces.
         """
+        return self.changes_given(self.coarse_responses(surface, paths, outcomes, noise), criteria)
+
+    def coarse_responses(
+        self,
+        surface: Surface,
+        paths: Surface,
+        outcomes: Outcomes | None = None,
+        noise: float = 0.0,
+    ) -> list[list[ConditionalResponse]]:
+        """Conditional responses of 1 + R surfaces, which tell the changes of any answers."""
         points = self.coarse.points
         kinds = None if outcomes is None else outcomes(points)
+        return [
+            self.coarse.responses(values, kinds, noise)
+            for values in [surface(points), *paths(points)]
+        ]
+
+    def changes_given(
+        self, responses: Sequence[Sequence[ConditionalResponse]], criteria: Sequence[Criterion]
+    ) -> FloatArray:
+        """Changes (R, C) of the indices from `coarse_responses`."""
         indices = np.array(
-            [
-                [
-                    reliability_index(found)
-                    for found in self._answer(self.coarse, values, criteria, kinds, noise)
-                ]
-                for values in [surface(points), *paths(points)]
-            ]
+            [reliability_indices(self._answer(self.coarse, one, criteria)) for one in responses]
         )
         return np.asarray(indices[1:] - indices[0])
 
     def _answer(
         self,
         rule: SurfaceRule,
-        values: FloatArray,
+        responses: Sequence[ConditionalResponse],
         criteria: Sequence[Criterion],
-        kinds: IntArray | None,
-        noise: float,
     ) -> list[SystemProbability]:
-        responses = rule.responses(values, kinds, noise)
         if not self.together:
             return system_failures(responses, rule.weights, self.units, criteria)
         # tau = 0 still refuses infinite responses, which have no difference
@@ -180,10 +208,17 @@ def surface_failures(
 
 def reliability_index(found: SystemProbability) -> float:
     """-Phi^-1(pf) from the smaller of the two probabilities, kept within +-38."""
+    return float(reliability_indices([found])[0])
+
+
+def reliability_indices(found: Sequence[SystemProbability]) -> FloatArray:
+    """Reliability index (C,) of each; see `reliability_index`."""
     from scipy.special import ndtri
 
-    beta = -ndtri(found.pf) if found.pf <= found.reliability else ndtri(found.reliability)
-    return float(np.clip(beta, -38.0, 38.0))
+    pf = np.array([one.pf for one in found])
+    reliability = np.array([one.reliability for one in found])
+    beta = np.where(pf <= reliability, -ndtri(pf), ndtri(reliability))
+    return np.asarray(np.clip(beta, -38.0, 38.0))
 
 
 def _if_flown(found: SystemProbability, criterion: Criterion) -> SystemProbability:

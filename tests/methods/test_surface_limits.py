@@ -1,0 +1,155 @@
+"""Response surfaces at the limits: tiny tau, many criteria and units, time, settings that lie."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from uqfold.evaluation import Evaluator
+from uqfold.inputs import normal
+from uqfold.methods import ActiveKriging, Kriging, PolynomialChaos, ReliabilityMethod
+from uqfold.methods.active_question import MOST_LEARNED
+from uqfold.methods.active_view import View
+from uqfold.moments.tabulated import TabulatedDistribution
+from uqfold.problems import Problem
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.surrogates.designs import space_filling_design
+from uqfold.surrogates.gaussian_process import GaussianProcess
+from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
+from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.typing import FloatArray
+
+SYSTEM = LinearNormalSystem()
+SMALL = [
+    Kriging(runs=16, trend="linear", kernel="gaussian"),
+    PolynomialChaos(runs=16),
+    ActiveKriging(runs=14, kernel="gaussian"),
+]
+
+
+def named(method: ReliabilityMethod) -> str:
+    return method.name
+
+
+@pytest.mark.parametrize("method", SMALL, ids=named)
+def test_tiny_tau_and_none_at_all(method: ReliabilityMethod) -> None:
+    """tau of 1e-12 or 0: 15 GB and no end before; now the asymptote n tau^(n-1) int h^n."""
+    asked = criteria(20.0, tau=[1e-12, 0.0])
+    tiny, zero = method.estimate(SYSTEM.problem(), asked, rng=1)
+    assert (zero.pf, zero.reliability) == (1.0, 0.0)
+    assert tiny.pf == 1.0
+    # three units, whose responses have the standard deviation 1 given the shared input
+    expected = 3e-24 / (2.0 * math.pi * math.sqrt(3.0))
+    assert tiny.reliability == pytest.approx(expected, rel=1e-3)
+
+
+def test_tau_zero_always_holds_where_only_shared_inputs_count() -> None:
+    """All units respond alike then: tau = 0 asks for nothing."""
+    problem = Problem(lambda x: x[:, 0], shared=normal(0.0, 1.0), units=3)
+    for method in SMALL[:2]:
+        plain, zero = method.estimate(problem, criteria(1.0, tau=[None, 0.0]), rng=1)
+        assert zero.pf == plain.pf == pytest.approx(0.158655, rel=1e-3)
+
+
+@pytest.mark.parametrize("method", SMALL, ids=named)
+def test_the_number_of_criteria_and_units_costs_next_to_nothing(
+    method: ReliabilityMethod, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """10,000 criteria and 1e5 units: distributions are asked for all thresholds at once."""
+    calls = []
+    plain = TabulatedDistribution.tails
+
+    def counted(self: TabulatedDistribution, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        calls.append(np.size(y))
+        return plain(self, y)
+
+    monkeypatch.setattr(TabulatedDistribution, "tails", counted)
+    few = criteria([10.0, 12.0], missions=[1, Binomial(10, 0.7)])
+    method.estimate(SYSTEM.problem(), few, rng=1)
+    first = len(calls)
+    many = criteria(np.linspace(9.0, 13.0, 1_500), missions=[1, Binomial(10, 0.7)])
+    result = method.estimate(LinearNormalSystem(units=100_000).problem(), many, rng=1)
+    assert len(calls) - first < 8 * first
+    exact = LinearNormalSystem(units=100_000).pf(many[1_499])
+    assert result[1_499].pf == pytest.approx(exact, rel=0.05)
+
+
+def test_many_criteria_are_learned_from_some(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = []
+    plain = View.of.__func__  # type: ignore[attr-defined]
+
+    def seen(cls: type[View], process: GaussianProcess, question: object, rng: object) -> View:
+        view = plain(cls, process, question, rng)
+        sizes.append(view.beta_std.size)
+        assert view.question.for_all(view.beta_std).shape == (900,)
+        return view  # type: ignore[no-any-return]
+
+    monkeypatch.setattr(View, "of", classmethod(seen))
+    asked = criteria(np.linspace(10.0, 13.0, 450), missions=[1, 3])
+    result = ActiveKriging(runs=13, kernel="gaussian").estimate(SYSTEM.problem(), asked, rng=1)
+    assert set(sizes) == {MOST_LEARNED}
+    for row, criterion in zip(result, asked, strict=True):
+        assert abs(row.pf - SYSTEM.pf(criterion)) < max(5 * row.std_error, 1e-3 * row.pf)
+
+
+@pytest.mark.parametrize("method", [Kriging, ActiveKriging])
+def test_a_noise_that_contradicts_the_fit_is_doubted(
+    method: type[Kriging | ActiveKriging],
+) -> None:
+    """Kriging(noise=5) was `converged` at 0.57, however little the responses scatter."""
+    rng = np.random.default_rng(1)
+
+    def model(x: FloatArray) -> FloatArray:
+        # what the model does at the smallest scale
+        return SYSTEM.response(x) + 0.1 * rng.standard_normal(len(x))
+
+    inputs = SYSTEM.problem().inputs
+    problem = Problem(model, inputs=inputs.distribution, names=inputs.names, units=1)
+    wrong, right = (
+        method(runs=24, noise=noise, kernel="gaussian").estimate(problem, Criterion(10.6), rng=1)[0]
+        for noise in (5.0, 0.1)
+    )
+    assert wrong.status == "doubtful"
+    assert "noise = 5 contradicts the fit" in wrong.message
+    assert "contradicts" not in right.message
+
+
+@pytest.mark.parametrize("method", [Kriging(runs=16), ActiveKriging(runs=60)], ids=named)
+def test_what_was_fitted_in_time_is_an_answer(
+    method: ReliabilityMethod, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every time limit holds while surfaces are fitted, and the first of them answers."""
+    looks, fitted = [0], [0]
+
+    def now() -> float:
+        # time stands still until the first surface is there; then a look takes a second
+        looks[0] += fitted[0] > 0
+        return float(looks[0])
+
+    plain = GaussianProcess.leave_one_out
+
+    def leave_one_out(self: GaussianProcess) -> object:
+        fitted[0] += 1
+        return plain(self)
+
+    monkeypatch.setattr("uqfold.evaluation.session.time", SimpleNamespace(monotonic=now))
+    monkeypatch.setattr("uqfold.evaluation.session.GRACE_SECONDS", 1e6)
+    monkeypatch.setattr(GaussianProcess, "leave_one_out", leave_one_out)
+    evaluator = Evaluator(max_seconds=150.0 if method.name == "ak-mcs" else 10.0)
+    row = method.estimate(SYSTEM.problem(), Criterion(11.0), rng=1, evaluator=evaluator)[0]
+    assert row.status == "budget_exhausted"
+    assert "max_seconds" in row.message
+    assert abs(row.pf - SYSTEM.pf(Criterion(11.0))) < max(5 * row.std_error, 1e-6)
+
+
+def test_expansions_in_many_inputs_draw_from_few_of_the_next_degree() -> None:
+    """pce on 200 inputs: the polynomials left out were all listed, a million of them."""
+    u = space_filling_design(130, 120, np.random.default_rng(0))
+    y = u[:, 0] + 0.3 * u[:, 7] ** 2 + 0.1 * u[:, 3]
+    surface = fit_polynomial_chaos(u, y, sparse=False, max_degree=1)
+    paths = surface.sample_paths(np.random.default_rng(1), 3)
+    assert paths.omitted.shape[1] == 120
+    assert paths.omitted.shape[0] <= 200
+    assert paths(u[:5]).shape == (3, 5)
