@@ -44,7 +44,7 @@ WAKE_SECONDS = 0.2
 """How often a wait for workers looks at the clock and at Ctrl-C."""
 AHEAD = 4
 """Finished batches that may wait for an earlier one, as a multiple of those under way."""
-GRACE_SECONDS, GRACE_SHARE = 5.0, 0.1
+GRACE_SECONDS, GRACE_SHARE = 3.0, 0.1
 """Time beyond the limit for summing up what there is: so much, and this share of the limit."""
 
 

@@ -187,16 +187,17 @@ class ActiveKriging(SequentialMethod):
             if not known.fittable:
                 return known.without_surface(task)
             try:
-                fit = fits.fit(known.u[known.finite], known.y[known.finite])
-                view = View.of(fit, Question.of(task, known), rng)
+                view = self._view(task, known, fits, rng)
             except TimeLimitError as error:
-                if not stability.views:
-                    raise
-                # what was learned before is an answer
                 why = str(error)
-                break
-            runs, surface = known, fit
+                # what was learned before is an answer
+                if stability.views:
+                    break
+                view = self._view(task, known, fits, rng)
+            runs, surface = known, view.process
             stability.views.append(view)
+            if why:
+                break
             if task.session.watched:
                 task.session.report(view.running())
             left = total - runs.y.size
@@ -232,6 +233,12 @@ class ActiveKriging(SequentialMethod):
             for criterion, estimate in zip(task.criteria, estimates, strict=True)
         ]
         return Solution(estimates, ActiveKrigingDetails.of(surface, stability, checks))
+
+    @staticmethod
+    def _view(task: Task, runs: DesignRuns, fits: KernelFits, rng: np.random.Generator) -> View:
+        """Fit a process to the runs and look at it."""
+        fit = fits.fit(runs.u[runs.finite], runs.y[runs.finite])
+        return View.of(fit, Question.of(task, runs), rng)
 
     def _next(
         self, view: View, runs: DesignRuns, size: int, rng: np.random.Generator

@@ -11,7 +11,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, TypeVar, final
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from uqfold.evaluation import (
     EvaluationSession,
     Evaluator,
     FailedRunError,
+    TimeLimitError,
 )
 from uqfold.methods.arguments import (
     CriteriaLike,
@@ -44,6 +45,8 @@ from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
 from uqfold.time_limit import time_checked_by
 from uqfold.typing import FloatArray, Model
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,26 @@ class Task:
         What does not know the task calls `uqfold.time_limit.check_time`, which does the same.
         """
         self.session.check_time()
+
+    def summed_up(self, work: Callable[[str], T]) -> T:
+        """Do work that makes an answer of the runs there are, also when the time ends meanwhile.
+
+        It is then done once more, within the time for summing up.
+
+        Parameters
+        ----------
+        work
+            Takes why it has to hurry, empty where it need not.
+
+        Raises
+        ------
+        TimeLimitError
+            If that time is over too.
+        """
+        try:
+            return work("")
+        except TimeLimitError as error:
+            return work(str(error))
 
     def generator(self, block: int = 0) -> np.random.Generator:
         """Give the random generator of one block of work."""

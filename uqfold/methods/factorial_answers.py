@@ -55,7 +55,7 @@ def system_estimates(
         own = doubts_about(criteria, found)
         return [_estimate(*row, doubts=doubts) for row in zip(found, bounds, own, strict=True)]
 
-    return estimates_by_blocks(len(task.criteria), answers)
+    return task.summed_up(lambda _: estimates_by_blocks(len(task.criteria), answers))
 
 
 def doubts_about_responses(details: FFNIDetails) -> list[str]:

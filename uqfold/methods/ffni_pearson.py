@@ -89,7 +89,8 @@ class FFNIPearson(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        responses, details = conditional_responses(design, task.evaluate(design.x), self._fit)
+        y = task.evaluate(design.x)
+        responses, details = task.summed_up(lambda _: conditional_responses(design, y, self._fit))
         doubts = []
         if self.family == "pearson":
             nodes = self.nodes_shared, self.nodes_individual

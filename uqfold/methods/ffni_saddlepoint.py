@@ -79,8 +79,9 @@ class FFNISaddlepoint(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        responses, details = conditional_responses(
-            design, task.evaluate(design.x), SaddlepointDistribution
+        y = task.evaluate(design.x)
+        responses, details = task.summed_up(
+            lambda _: conditional_responses(design, y, SaddlepointDistribution)
         )
 
         def doubts_about(

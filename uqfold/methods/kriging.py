@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
 
 from uqfold.checks import choice, keep, or_none, real, whole
@@ -124,7 +125,7 @@ class Kriging(SequentialMethod):
         runs = yield from design_runs(task, u, self.runs, least)
         if not runs.fittable:
             return runs.without_surface(task)
-        fits, stopped = self._fitted(task, runs)
+        fits, stopped = task.summed_up(partial(self._fitted, task, runs))
         surface, *others = fits
         if stopped:
             runs = replace(runs, stopped=stopped)
@@ -140,7 +141,9 @@ class Kriging(SequentialMethod):
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
         return Solution(estimates, KrigingDetails(surface, validated, relative))
 
-    def _fitted(self, task: Task, runs: DesignRuns) -> tuple[list[GaussianProcess], str]:
+    def _fitted(
+        self, task: Task, runs: DesignRuns, stopped: str
+    ) -> tuple[list[GaussianProcess], str]:
         """Processes with the trends and kernels that are tried, the best one first.
 
         When the time is over, those that are there, and why there are no more.
@@ -150,7 +153,6 @@ class Kriging(SequentialMethod):
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
         found: list[tuple[float, GaussianProcess]] = []
-        stopped = ""
         try:
             for name in names:
                 picked = name == "pce"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -131,9 +131,15 @@ class PolynomialChaos(SequentialMethod):
         fitted = runs.u[runs.finite], runs.y[runs.finite]
         # n nodes cannot tell u^n from lower powers
         orders = np.array(self._counts(inputs)) - 1 if self.design == "ffni" else None
-        surface = fit_polynomial_chaos(
-            *fitted, sparse=self.sparse, max_degree=self.max_degree, max_orders=orders
-        )
+
+        def fit(stopped: str) -> tuple[PolynomialChaosExpansion, str]:
+            return fit_polynomial_chaos(
+                *fitted, sparse=self.sparse, max_degree=self.max_degree, max_orders=orders
+            ), stopped
+
+        surface, stopped = task.summed_up(fit)
+        if stopped:
+            runs = replace(runs, stopped=stopped)
         rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
         rivals = []
         if orders is not None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -114,6 +114,27 @@ def surface_estimates(
     stated_noise
         The noise that the settings state; None where it is learned.
     """
+
+    def work(stopped: str) -> list[Estimate]:
+        made = replace(runs, stopped=stopped) if stopped else runs
+        return _answered(
+            task, surface, made, rng, noise, rivals, max_points, beta_std, stated_noise
+        )
+
+    return task.summed_up(work)
+
+
+def _answered(
+    task: Task,
+    surface: ResponseSurface,
+    runs: DesignRuns,
+    rng: np.random.Generator,
+    noise: float,
+    rivals: Sequence[Rival],
+    max_points: int,
+    beta_std: FloatArray | None,
+    stated_noise: float | None,
+) -> list[Estimate]:
     problem = task.problem
     inputs = problem.inputs
     system = SurfaceSystem.of(
