@@ -13,11 +13,12 @@ import enum
 import functools
 import hashlib
 import importlib.util
+import sys
 import types
 from collections.abc import Callable, Mapping
 from decimal import Decimal
 from fractions import Fraction
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -203,8 +204,10 @@ def _of_local_class(kind: type, where: str) -> list[Any]:
 
 
 def _named(value: Any) -> str:
-    # a script is the same program whether it is started or imported by its workers
-    module = "__main__" if value.__module__ == "__mp_main__" else value.__module__
+    module = str(value.__module__)
+    if module.startswith("_"):
+        # a script, started or loaded by its workers or by a study: its file has the lasting name
+        module = Path(getattr(sys.modules.get(module), "__file__", None) or module).stem
     return f"{module}.{value.__qualname__}"
 
 

@@ -174,6 +174,8 @@ def test_interruption_keeps_finished_jobs(study: Study, tmp_path: Path) -> None:
     [
         ("def problem():\n    return 3\n", "gave 3, not a Problem"),
         ("def problem():\n    return 1 / 0\n", "raised ZeroDivisionError: division by zero"),
+        ("def problem():\n    raise SystemExit(0)\n", "raised SystemExit: 0"),
+        ("raise SystemExit(0)\n", "cannot be imported: SystemExit"),
         ("import nowhere_to_be_found\n", "cannot be imported: ModuleNotFoundError"),
         ("def another():\n    pass\n", "has no function 'problem'"),
     ],
@@ -201,6 +203,18 @@ def test_what_failed_is_tried_again(study: Study, tmp_path: Path) -> None:
         "body / mine / ffni-spa",
         *(f"body / mine / mc / seed {i}" for i in (0, 1)),
     }
+
+
+def test_sys_exit_in_a_model_is_a_failed_run_of_the_study(study: Study, tmp_path: Path) -> None:
+    leaving = "(_ for _ in ()).throw(SystemExit(0)) if (x > 1.0).any() else x.sum(axis=1)"
+    source = MODEL.replace("x[:, 0] + x[:, 1]", leaving)
+    assert source != MODEL
+    (tmp_path / "mine.py").write_text(source)
+    body = next(table for table in StudyRunner(study).tables() if table.name == "body")
+    mine = [row for row in body.rows if row["problem"] == "mine"]
+    assert mine
+    assert all("SystemExit: 0" in row["message"] for row in mine)
+    assert {row["status"] for row in mine} <= {"failed", "doubtful"}
 
 
 def test_states_of_results(study: Study, tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ class ProblemSpec:
             problem = function(**options)
         except (TypeError, ValueError) as error:
             raise place.error(str(error)) from error
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             if self.is_ours:
                 raise
             said = f"{type(error).__name__}: {error}"
@@ -142,7 +142,7 @@ class ProblemSpec:
             sys.modules[name] = module
             try:
                 spec.loader.exec_module(module)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 del sys.modules[name]
                 said = f"{type(error).__name__}: {error}"
                 raise place.error(f"{file.name} cannot be imported: {said}") from error
