@@ -14,6 +14,8 @@ from os import PathLike
 from pathlib import Path
 from typing import BinaryIO
 
+_TRIED_BYTES = 65_536
+
 
 @contextmanager
 def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
@@ -67,6 +69,27 @@ def write_text(path: str | PathLike[str], text: str) -> None:
     """
     with replacing(path) as stream:
         stream.write(text.encode())
+
+
+def check_writable(folder: str | PathLike[str]) -> None:
+    """Make a folder if it is missing, and try whether files can be written there.
+
+    Raises
+    ------
+    OSError
+        If not; before any work is spent. The error names the folder.
+    """
+    directory = Path(folder)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        temporary, stream = _new_file(directory / "try")
+        try:
+            with stream:
+                stream.write(bytes(_TRIED_BYTES))
+        finally:
+            temporary.unlink()
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(directory)) from error
 
 
 def _is_special(target: Path) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import shlex
 import sys
 from collections.abc import Sequence
@@ -15,9 +14,11 @@ import uqfold
 from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.invocation import Invocation, usage
 from uqfold.cli.report import REPORT_HELP, report_command
+from uqfold.cli.streams import exit_code_of, flush_streams, open_streams, os_error_text
 from uqfold.cli.study import study_app
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
 from uqfold.comparison.cases import available_cases, named_case
+from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
     from uqfold.evaluation.evaluator import FailedRunPolicy
@@ -87,13 +88,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
         The words after the program's name; None takes those of this process.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # a terminal that cannot show one sign must not lose the whole table
-            stream.reconfigure(errors="replace")
-    # before anything starts a thread: threads inherit what is said about signals
-    with Interrupts() as interrupts:
-        app(args=words, prog_name="uqfold", obj=Invocation(words, interrupts))
+    open_streams()
+    try:
+        try:
+            # before anything starts a thread: threads inherit what is said about signals
+            with Interrupts() as interrupts:
+                app(args=words, prog_name="uqfold", obj=Invocation(words, interrupts))
+        finally:
+            flush_streams()
+    except OSError as error:
+        # None: an error of the exit, not of the program
+        raise SystemExit(exit_code_of(error)) from None
 
 
 def _show_version(asked: bool) -> None:
@@ -210,9 +215,9 @@ def compare_methods(
     planned = usage(plan)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        check_writable(folder)
     except OSError as error:
-        raise typer.BadParameter(f"--out {folder}: {error.strerror}") from error
+        raise typer.BadParameter(f"--out {os_error_text(error)}") from error
     invocation: Invocation = context.obj
     session = ComparisonSession(
         planned,

@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Console
 
 from uqfold.cli.interrupts import Interrupts
+from uqfold.cli.streams import EXIT_USAGE, os_error_text, shown_path
 from uqfold.comparison.header import RunHeader
 from uqfold.comparison.records import Records, write_records
 from uqfold.comparison.run import ComparisonPlan, run_comparison
@@ -86,6 +87,10 @@ class ComparisonSession:
         except (FailedRunError, EngineError) as error:
             say(f"error: {error}")
             code = EXIT_FAILED
+        except OSError as error:
+            # the methods that finished are still shown
+            say(f"error: {os_error_text(error)}")
+            self.figures, code = False, EXIT_USAGE
         if self.records.rows:
             self._report()
         if code == 0 and all(math.isnan(row["pf"]) for row in self.records.rows):
@@ -125,9 +130,12 @@ class ComparisonSession:
 
     def _report(self) -> None:
         out = stdout_console(quiet=self.quiet)
-        out.print(ComparisonTable(self.records))
-        if self.figures:
-            self._written += write_figures(self.records, self.folder)
+        try:
+            out.print(ComparisonTable(self.records))
+        finally:
+            # the files are written whether or not anybody can read the table
+            if self.figures:
+                self._written += write_figures(self.records, self.folder)
         names = ", ".join(path.name for path in self._written)
         out.print()
         for line in hanging(f"written to {shown_path(self.folder)}: ", names, out.width):
@@ -151,12 +159,6 @@ class ComparisonSession:
 def say(text: str) -> None:
     """Say something on the standard error, also when quiet, in one line."""
     Console(stderr=True).print(text, markup=False, highlight=False, soft_wrap=True)
-
-
-def shown_path(path: Path) -> str:
-    """Give a path as people would type it here: relative where it lies below this folder."""
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith(os.pardir) else relative
 
 
 def run_once(problem: Problem) -> None:

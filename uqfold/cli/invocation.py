@@ -9,6 +9,7 @@ from typing import TypeVar
 import typer
 
 from uqfold.cli.interrupts import Interrupts
+from uqfold.cli.streams import os_error_text
 from uqfold.evaluation.errors import EngineError
 
 Value = TypeVar("Value")
@@ -28,3 +29,5 @@ def usage(check: Callable[..., Value], *arguments: object) -> Value:
         return check(*arguments)
     except (ValueError, EngineError) as error:
         raise typer.BadParameter(str(error)) from error
+    except OSError as error:
+        raise typer.BadParameter(os_error_text(error)) from error

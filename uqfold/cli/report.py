@@ -35,7 +35,7 @@ def report_command(
     ] = None,
 ) -> None:
     """Write a report."""
-    from uqfold.cli.compare import shown_path
+    from uqfold.cli.streams import os_error_text, shown_path
     from uqfold.report.page.write import page_format, write_page
     from uqfold.report.reports import STEM, report_page
 
@@ -46,8 +46,7 @@ def report_command(
         form = page_format(out, format)
         written = write_page(report_page(run_dir), out, form)
     except OSError as error:
-        where = error.filename or run_dir
-        raise typer.BadParameter(f"{shown_path(Path(where))}: {error.strerror}") from error
+        raise typer.BadParameter(os_error_text(error)) from error
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     pictures = (

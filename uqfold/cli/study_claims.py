@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uqfold.cli.compare import EXIT_FAILED, say, shown_path, stdout_console
+from uqfold.cli.compare import EXIT_FAILED, say, stdout_console
+from uqfold.cli.streams import shown_path
 
 if TYPE_CHECKING:
     import pandas as pd

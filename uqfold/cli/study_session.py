@@ -15,10 +15,10 @@ from uqfold.cli.compare import (
     EXIT_INTERRUPTED,
     run_once,
     say,
-    shown_path,
     stdout_console,
 )
 from uqfold.cli.invocation import Invocation
+from uqfold.cli.streams import shown_path
 from uqfold.cli.study import DEFAULT_ROOT, QUICK_FOLDER
 from uqfold.comparison.header import shown_command
 from uqfold.comparison.studies.check import compare_tables
@@ -42,6 +42,7 @@ from uqfold.report.studies.exhibits import write_exhibits
 from uqfold.report.studies.page import write_page
 from uqfold.report.studies.registry import figure_kinds, table_kinds
 from uqfold.report.studies.selection import SelectionError
+from uqfold.writing import check_writable
 
 CACHE_NAME = ".cache"
 MOST_DIFFERENCES = 10
@@ -143,6 +144,7 @@ def _run_one(study: Study, options: Options, invocation: Invocation) -> int:
         folder = QUICK_FOLDER / name if options.quick else study.folder
     store = options.store or study.folder.resolve().parent / CACHE_NAME
     try:
+        check_writable(folder)
         if not options.redraw:
             _make_results(study, folder, store if options.keep else None, invocation, options.quiet)
         written = _draw(study, folder, Console(stderr=True, quiet=options.quiet))

@@ -11,8 +11,9 @@ from pathlib import Path
 from rich.console import Console
 
 import uqfold
-from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, shown_path, stdout_console
+from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, stdout_console
 from uqfold.cli.interrupts import Interrupts
+from uqfold.cli.streams import shown_path
 from uqfold.evidence.case import Case
 from uqfold.evidence.changes import Changes, changes, kept_record
 from uqfold.evidence.check import KEPT_TIERS, discrepancies, report_discrepancies
@@ -26,6 +27,7 @@ from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report
 from uqfold.report.validation_page import validation_page
 from uqfold.report.verdicts import VerdictTable, kept_text
+from uqfold.writing import check_writable
 
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
@@ -65,7 +67,7 @@ class ValidationSession:
     def run(self) -> int:
         """Measure all cases and report; give the exit code of the program."""
         code = 0
-        self.folder.mkdir(parents=True, exist_ok=True)
+        check_writable(self.folder)
         try:
             self._measure()
         except KeyboardInterrupt:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 Source: TypeAlias = "Records | pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
 STEM = "report"
+MOST_ROWS = 10_000
+"""Rows that a report on a comparison shows at most: a page of some 20 MB."""
 CASE_FILE = "case.toml"
 KEPT_REPORT = "report.md"
 """The report on the records that are kept beside the cases, in their folder."""
@@ -47,6 +49,11 @@ def report_page(source: Source) -> Page:
     if isinstance(source, Records):
         from uqfold.report.comparison_page import comparison_page
 
+        if len(source.rows) > MOST_ROWS:
+            raise ValueError(
+                f"the comparison has {len(source.rows):,} rows, a report shows {MOST_ROWS:,} at "
+                "most: select thresholds or methods, as in frame[frame['label'] == 'mc']"
+            )
         return comparison_page(source)
     if hasattr(source, "columns"):
         from uqfold.comparison.frames import records_from_frame

@@ -83,7 +83,10 @@ def read_document(path: Path) -> tuple[dict[str, Any], Place]:
         raise StudyError(f"{name} cannot be read: {reason}") from error
     try:
         content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError as error:
+        raise StudyError(f"{name} is nested too deeply") from error
+    except ValueError as error:
+        # also of a number with too many digits
         raise StudyError(f"{name} is no TOML file: {error}") from error
     return content, Place(name, _lines(text))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal
 from typing import Any
 
@@ -28,6 +29,9 @@ def _spaced(content: dict[str, Any], place: Place) -> tuple[float, ...]:
         Key("count", COUNT, "how many", None),
     ]
     read = read_table(content, place, keys)
+    for name in ("start", "stop", "step"):
+        if read[name] is not None and not math.isfinite(read[name]):
+            raise place.at(name).error(f"{read[name]}: give a finite number")
     start, stop = (Decimal(repr(read[name])) for name in ("start", "stop"))
     if (read["step"] is None) == (read["count"] is None):
         raise place.error("give start, stop and either step or count")
@@ -80,7 +84,10 @@ def _seed(content: Any, place: Place) -> int:
 
 def _seeds(content: Any, place: Place) -> tuple[int, ...]:
     if isinstance(content, int) and not isinstance(content, bool):
-        return tuple(range(int(COUNT.read(content, place))))
+        count: int = COUNT.read(content, place)
+        if count > MAX_POINTS:
+            raise place.error(f"{count} seeds: at most {MAX_POINTS}")
+        return tuple(range(count))
     if not isinstance(content, list) or not content:
         raise place.error(f"{content!r}: give a number of seeds, or a list of seeds")
     seeds = tuple(_seed(seed, place.at(i)) for i, seed in enumerate(content))

@@ -6,10 +6,12 @@ in the documentation all come from them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from uqfold.checks import LARGEST_WHOLE, shown
 from uqfold.comparison.studies.document import Place, nearest
 
 
@@ -183,13 +185,21 @@ def _text(content: Any, place: Place) -> str:
 
 def _number(content: Any, place: Place) -> float:
     if isinstance(content, bool) or not isinstance(content, int | float):
-        raise place.error(f"{content!r} is no number")
-    return float(content)
+        raise place.error(f"{shown(content)} is no number")
+    try:
+        number = float(content)
+    except OverflowError:
+        number = math.nan
+    if math.isnan(number):
+        raise place.error(f"{shown(content)}: give a number that a float can hold")
+    return number
 
 
 def _count(content: Any, place: Place) -> int:
     if isinstance(content, bool) or not isinstance(content, int) or content < 1:
-        raise place.error(f"{content!r}: give a whole number >= 1")
+        raise place.error(f"{shown(content)}: give a whole number >= 1")
+    if content > LARGEST_WHOLE:
+        raise place.error(f"{shown(content)}: give a number below 2**63")
     return content
 
 
