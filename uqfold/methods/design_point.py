@@ -23,6 +23,8 @@ from uqfold.methods.standard_space import (
 )
 from uqfold.typing import FloatArray
 
+NOTICEABLE = 0.05
+"""Share of the probability behind a design point from which a second domain matters."""
 LOOSE_RESIDUAL = 0.25
 """A point further than this (per unit of beta) from being a design point is no answer at all."""
 
@@ -188,7 +190,7 @@ class Search:
         self.out_of_reach = abs(ahead) > SEARCH_RADIUS and (ahead > 0.0) == (beta > 0.0)
 
     def look_around(self, response: StandardSpaceResponse, tolerance: float) -> None:
-        """Test whether the best point is the nearest, with 2 d - 1 runs on the sphere through it.
+        """Test whether the best point is the nearest and the only one, with 4 d runs at most.
 
         A point of the limit state that is collinear with its gradient may as well be the farthest
         one. So look one standard deviation to both sides of it in d - 1 tangent directions: none
@@ -197,6 +199,7 @@ class Search:
         beta = self.best.beta(self.threshold)
         side, radius = math.copysign(1.0, beta), abs(beta)
         if radius <= tolerance:
+            self._look_elsewhere(response, side, radius)
             return
         towards = side * self.best.alpha
         angle = min(1.0 / radius, math.pi / 2)
@@ -208,6 +211,23 @@ class Search:
         if beyond.max() > tolerance:
             self.rival = points[int(beyond.argmax())]
         self.several |= bool(beyond[-1] > -min(0.5, radius))
+        if self.rival is None and not self.several:
+            self._look_elsewhere(response, side, radius)
+
+    def _look_elsewhere(self, response: StandardSpaceResponse, side: float, radius: float) -> None:
+        """See along every axis, and opposite, whether the limit state is met a second time.
+
+        So far out that a second domain that begins there has `NOTICEABLE` of the probability of
+        the first; only what the linearisation takes to be on the near side is looked at.
+        """
+        from scipy.special import ndtr, ndtri
+
+        reach = float(-ndtri(NOTICEABLE * ndtr(-radius)))
+        axes = np.eye(self.best.alpha.size)
+        points = reach * np.vstack([-side * self.best.alpha, axes, -axes])
+        near = side * (points @ self.best.alpha) < radius
+        beyond = side * (response.values(points[near]) - self.threshold)
+        self.several = bool((beyond > 0.0).any())
 
     def design_point(self, inputs: JointInputs) -> DesignPoint:
         """Give the record of the best point."""

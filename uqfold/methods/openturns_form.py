@@ -64,12 +64,12 @@ class OpenTURNSFORM(ReliabilityMethod):
     """First-order reliability method on one unit, by OpenTURNS.
 
     One search for each distinct threshold T serves all criteria with that T. It runs in
-    independent standard-normal space and starts from the origin, later ones from the nearest
-    design point found so far, moved along its alpha. The result is checked, not trusted: the point
-    must lie on the limit state and be collinear with the gradient there, within `tolerance`, and
-    none of 2 d - 1 other points as near to the origin may lie beyond the limit state. If the
-    first check fails, the next algorithm has a go; if the second fails, one more search starts
-    where the failure domain came nearer.
+    independent standard-normal space and starts from the origin, whatever else is asked. The
+    result is checked, not trusted: the point must lie on the limit state and be collinear with the
+    gradient there, within `tolerance`, and none of 2 d - 1 other points as near to the origin may
+    lie beyond the limit state. If the first check fails, the next algorithm has a go; if the second
+    fails, one more search starts where the failure domain came nearer. Then the axes, and the ray
+    opposite, are looked at for a second domain of failure that would matter.
 
     The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: neither
     curvature nor a design point off the points that are looked at is seen. It is ``doubtful`` for
@@ -79,7 +79,9 @@ class OpenTURNSFORM(ReliabilityMethod):
     `max_evals` pays for the gradient at the origin first; what is left is split into equal shares
     for the remaining thresholds, and a share that is not used up goes to the later ones. The
     thresholds nearest to the response at the origin come first. A search cut short gives its best
-    linearisation with the status ``budget_exhausted``. A failed run ends the whole estimate.
+    linearisation with the status ``budget_exhausted``. Without a budget every row is the same alone
+    and among others, its runs apart, which several searches may share. A failed run ends the whole
+    estimate.
 
     Attributes
     ----------
@@ -141,8 +143,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         searches: dict[float, Search] = {}
         for i, threshold in enumerate(thresholds):
             response.allowed = session.n_evals + session.remaining // (len(thresholds) - i)
-            found = [s.best for s in searches.values() if s.error <= self.tolerance]
-            searches[threshold] = self._searched(response, threshold, [*start.known, *found])
+            searches[threshold] = self._searched(response, threshold, start.known)
         points = {t: searches[t].design_point(problem.inputs) for t in sorted(searches)}
 
         def answer(criterion: Criterion) -> Estimate:
@@ -166,7 +167,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         return Solution(estimates, FORMDetails(tuple(points.values()), n_start))
 
     def _searched(
-        self, response: StandardSpaceResponse, threshold: float, known: list[Linearisation]
+        self, response: StandardSpaceResponse, threshold: float, known: tuple[Linearisation, ...]
     ) -> Search:
         """Look for the design point of one threshold, and check that it is the nearest."""
         nearest = min(known, key=lambda one: abs(threshold - one.y))
