@@ -64,12 +64,13 @@ class OpenTURNSFORM(ReliabilityMethod):
     """First-order reliability method on one unit, by OpenTURNS.
 
     One search for each distinct threshold T serves all criteria with that T. It runs in
-    independent standard-normal space and starts from the origin, whatever else is asked. The
-    result is checked, not trusted: the point must lie on the limit state and be collinear with the
-    gradient there, within `tolerance`, and none of 2 d - 1 other points as near to the origin may
-    lie beyond the limit state. If the first check fails, the next algorithm has a go; if the second
-    fails, one more search starts where the failure domain came nearer. Then the axes, and the ray
-    opposite, are looked at for a second domain of failure that would matter.
+    independent standard-normal space and starts where the plane through the origin's gradient
+    meets T, whatever else is asked. The result is checked, not trusted: the point must lie on the
+    limit state and be collinear with the gradient there, within `tolerance`, and none of 2 d - 1
+    other points as near to the origin may lie beyond the limit state. If the first check fails, the
+    next algorithm has a go; if the second fails, one more search starts where the failure domain
+    came nearer. Then the axes, and the ray opposite, are looked at for a second domain of failure
+    that would matter.
 
     The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: neither
     curvature nor a design point off the points that are looked at is seen. It is ``doubtful`` for
@@ -176,7 +177,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         try:
             search.look_far(response)
             ahead = nearest.beta(threshold) * nearest.alpha
-            from_plane = nearest.u.any() and math.hypot(*ahead) <= SEARCH_RADIUS
+            from_plane = math.hypot(*ahead) <= SEARCH_RADIUS
             self._walk(response, search, ahead if from_plane else nearest.u)
             if search.error <= self.tolerance:
                 search.look_around(response, self.tolerance)
