@@ -208,3 +208,14 @@ def test_scores_use_the_replaced_law() -> None:
     expected += np.array(ot.ClaytonCopula(2.0).computeLogPDF(levels)).ravel()
     np.testing.assert_allclose(joint, expected, rtol=1e-9)
     assert (shared == 0.0).all()
+
+
+def test_a_tail_that_openturns_gets_wrong_inside_another_distribution_is_refused() -> None:
+    tail = ot.TruncatedNormal(0, 1, 8, 10)
+    for hidden in (
+        ot.Mixture([tail, ot.Normal()]),
+        ot.Distribution(tail) * 2.0 + 1.0,
+        ot.CompositeDistribution(ot.SymbolicFunction("x", "exp(x)"), tail),
+    ):
+        with pytest.raises(ValueError, match="input 'x' = "):
+            product_inputs(None, {"x": hidden})

@@ -83,13 +83,12 @@ class SystemEntry:
         """Describe a problem."""
         joint = problem.inputs
         roles = ["shared"] * joint.n_shared + ["individual"] * joint.n_individual
-        described = zip(joint.names, problem.input_units, roles, joint.marginals, strict=True)
+        described = zip(joint.names, problem.input_units, roles, joint.columns, strict=True)
         return cls(
             units=problem.n_units,
             structure=repr(problem.structure),
             inputs=tuple(
-                InputEntry(name, unit, role, str(marginal))
-                for name, unit, role, marginal in described
+                InputEntry(name, unit, role, str(column)) for name, unit, role, column in described
             ),
             dependence="independent"
             if joint.independent

@@ -57,8 +57,8 @@ def replacement(distribution: Any) -> DirectMarginal | None:
 
 def scipy_name(frozen: Any) -> str:
     """Return a frozen SciPy distribution as one would write it."""
-    given = [f"{value:g}" for value in frozen.args]
-    given += [f"{name}={value:g}" for name, value in frozen.kwds.items()]
+    given = [f"{value:.12g}" for value in frozen.args]
+    given += [f"{name}={value:.12g}" for name, value in frozen.kwds.items()]
     return f"scipy.stats.{frozen.dist.name}({', '.join(given)})"
 
 

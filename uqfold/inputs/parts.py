@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from uqfold.inputs.dependence import CopulaPart, JointPart, NormalPart, Part
-from uqfold.inputs.marginal import Marginal
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
 from uqfold.typing import FloatArray
 
 _TOO_DEAR, _DEAR = 0.5, 0.01
@@ -192,6 +192,17 @@ def check_part(part: Part, marginals: Sequence[Marginal], names: Sequence[str]) 
         "describe it by a NormalCopula, or by independent pairs (BlockIndependentCopula), or "
         "give the distribution with the shared inputs first"
     )
+    if isinstance(part, JointPart):
+        own = {
+            name: marginal
+            for name, marginal in zip(names, marginals, strict=True)
+            if not isinstance(marginal, OpenTURNSMarginal)
+        }
+        for name, marginal in own.items():
+            raise ValueError(
+                f"{called}: OpenTURNS does not compute {name} = {marginal} rightly; give the "
+                "joint distribution as marginals and a copula"
+            )
     k = len(part.columns)
     if k > 2 and _implementation(part.own)[0] == "MarginalDistribution":  # type: ignore[attr-defined]
         raise ValueError(f"{called} is known in this order only by integration: {remedy}")
