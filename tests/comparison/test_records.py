@@ -248,6 +248,27 @@ def test_a_damaged_record_is_refused_and_the_fault_named(
     assert str(tmp_path) not in str(caught.value)
 
 
+def test_another_number_in_a_record_is_damage(tmp_path: Path) -> None:
+    """What is read back is checked by digest."""
+    records = toy_records()
+    _, path = write_records(records, tmp_path)
+    whole = json.loads(path.read_text(encoding="utf-8"))
+    changes: list[tuple[str, object]] = [("pf", 0.142), ("n_evals", 99), ("message", "all is well")]
+    for name, value in changes:
+        document = json.loads(json.dumps(whole))
+        assert document["rows"][0][name] != value
+        document["rows"][0][name] = value
+        path.write_text(json.dumps(document), encoding="utf-8")
+        with pytest.raises(RecordsError, match="does not have the digest"):
+            read_records(path)
+    # laid out in another way it says the same, and earlier versions wrote no digest
+    path.write_text(json.dumps(whole, indent=4, ensure_ascii=True), encoding="utf-8")
+    assert len(read_records(path).rows) == len(records.rows)
+    del whole["sha256"]
+    path.write_text(json.dumps(whole), encoding="utf-8")
+    assert len(read_records(path).rows) == len(records.rows)
+
+
 @pytest.mark.parametrize(
     "text",
     ["", "not json", '{"schema": "uqfold-comparison/2"', '{"schema": NaN}', "label,pf\nmc,1\n"],

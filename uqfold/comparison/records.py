@@ -7,6 +7,7 @@ for other programs.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections import Counter
@@ -124,7 +125,14 @@ def _json_text(records: Records) -> str:
             for row in records.rows
         ],
     }
+    document["sha256"] = _digest(document)
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _digest(document: Mapping[str, Any]) -> str:
+    """Digest of all that a record says, however it is laid out."""
+    said = {name: value for name, value in document.items() if name != "sha256"}
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
 def _parsed(document: Any) -> Records:
@@ -142,6 +150,9 @@ def _parsed(document: Any) -> Records:
             raise ValueError(
                 f"it has {n_rows} rows of {label!r} for {len(header.criteria)} criteria"
             )
+    # records of earlier versions carry none
+    if document.get("sha256", digest := _digest(document)) != digest:
+        raise ValueError("it is damaged: it does not have the digest that it states")
     return Records(header, rows)
 
 
