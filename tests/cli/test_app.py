@@ -123,7 +123,7 @@ def test_figures_of_an_earlier_comparison_do_not_stay_beside_other_records() -> 
         (["series", "--seed", "-1"], "rng = -1"),
         (
             ["series", "--failed-runs", "ignore"],
-            "choose from ('raise', 'count-as-failure', 'bound')",
+            "choose from 'raise', 'count-as-failure', 'bound'",
         ),
         (["series", "--colour"], "--colour"),
         ([], "CASE"),

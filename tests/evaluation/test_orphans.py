@@ -35,8 +35,17 @@ def waited(true: Callable[[], bool]) -> bool:
     return true()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-@pytest.mark.parametrize("how", ["threads", "processes", "direct"])
+@pytest.mark.parametrize(
+    ("how", "number"),
+    [
+        ("threads", signal.SIGINT),
+        ("threads", signal.SIGTERM),
+        ("processes", signal.SIGINT),
+        ("processes", signal.SIGTERM),
+        ("processes", signal.SIGKILL),
+        ("direct", signal.SIGINT),
+    ],
+)
 def test_a_caller_that_is_ended_leaves_no_process(
     how: str, number: int, tmp_path: Path, tag: str
 ) -> None:
