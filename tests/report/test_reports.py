@@ -220,3 +220,9 @@ def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
 )
 def test_settings_are_taken_apart_but_not_evaluated(text: str, found: Any) -> None:
     assert parsed_settings(text) == found
+
+
+def test_more_rows_than_a_page_can_show_are_refused(records: Records) -> None:
+    """A frame of 1e5 rows took minutes, and made a page of 180 MB."""
+    with pytest.raises(ValueError, match=r"has 20,000 rows, a report shows 10,000 at most: select"):
+        report_page(replace(records, rows=records.rows[:1] * 20_000))
