@@ -16,7 +16,16 @@ from threadpoolctl import ThreadpoolController
 import uqfold
 from uqfold import algebra
 from uqfold.algebra import one_blas_thread, program_blas_threads
-from uqfold.methods import ActiveKriging, FFNIPearson, Kriging, MonteCarlo, PolynomialChaos
+from uqfold.evaluation import Evaluator, FailedRunError
+from uqfold.methods import (
+    ActiveKriging,
+    FFNIPearson,
+    Kriging,
+    MonteCarlo,
+    PolynomialChaos,
+    Solution,
+    Task,
+)
 from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.testing.conduct import same_numbers
 from uqfold.testing.curved import CurvedSystem
@@ -186,18 +195,19 @@ def test_model_runs_with_the_setting_of_the_program(method: uqfold.ReliabilityMe
 
 
 def test_four_threads_with_kriging_leave_the_setting_of_the_program() -> None:
-    class Stopped(BaseException):
-        pass
-
-    barrier = threading.Barrier(4, timeout=30.0)
-    ended: list[str] = []
+    barrier, ended = threading.Barrier(4, timeout=60.0), list[str]()
 
     def work(number: int) -> None:
+        met = False
+
         def model(x: np.ndarray) -> np.ndarray:
-            # all of them are within their estimates now
-            barrier.wait()
+            nonlocal met
+            if not met:
+                # all of them are within their estimates now
+                barrier.wait()
+                met = True
             if number == 3:
-                raise Stopped
+                raise ValueError("planted")
             return CurvedSystem().response(x)
 
         inputs = CurvedSystem().problem().inputs.distribution
@@ -205,21 +215,19 @@ def test_four_threads_with_kriging_leave_the_setting_of_the_program() -> None:
             model, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=2
         )
         try:
-            row = Kriging(runs=12, kernel="gaussian", trend="constant").estimate(
-                problem, uqfold.criteria(12.5), rng=number
-            )[0]
-            ended.append(row.status)
-        except Stopped:
-            ended.append("stopped")
+            Kriging(runs=12, kernel="gaussian", trend="constant").estimate(
+                problem, uqfold.criteria(12.5), rng=number, evaluator=Evaluator("raise")
+            )
+            ended.append("finished")
+        except FailedRunError:
+            ended.append("raised")
 
     threads = [threading.Thread(target=work, args=(number,)) for number in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(ended) == 4
-    assert ended.count("stopped") == 1
-    assert "failed" not in ended
+    assert sorted(ended) == ["finished", "finished", "finished", "raised"]
     assert setting() == THREE
 
 
@@ -236,14 +244,29 @@ def test_answer_does_not_depend_on_the_number_of_threads(method: SequentialMetho
     with LIBRARIES.limit(limits=1):
         one = method.estimate(problem, criteria, rng=3)
     with LIBRARIES.limit(limits=2):
-        two = method.estimate(problem, criteria, rng=3)
         session = method.start(problem, criteria, rng=3)
         while not session.done:
             x = session.ask()
             session.tell(x, problem.model(x))
+        two = session.result()
     assert math.isfinite(one[0].pf)
     assert same_numbers(one, two)
-    assert same_numbers(one, session.result())
+
+
+@pytest.mark.parametrize("method", [FFNIPearson(), PolynomialChaos(runs=20)])
+def test_method_computes_on_one_thread(
+    method: uqfold.ReliabilityMethod, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = list[list[int]]()
+    solve = type(method)._solve
+
+    def watched(self: uqfold.ReliabilityMethod, task: Task) -> Solution:
+        seen.append(setting())
+        return solve(self, task)
+
+    monkeypatch.setattr(type(method), "_solve", watched)
+    method.estimate(CurvedSystem().problem(), uqfold.criteria(12.5), rng=1)
+    assert seen == [ONE]
 
 
 PROGRAM = """
