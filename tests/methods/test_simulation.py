@@ -11,8 +11,11 @@ from uqfold.evaluation import Evaluator
 from uqfold.methods import (
     ConditionalMonteCarlo,
     FFNIPearson,
+    FFNISaddlepoint,
+    Kriging,
     MonteCarlo,
     OpenTURNSMonteCarlo,
+    PolynomialChaos,
     ReliabilityMethod,
     conditional_monte_carlo,
     openturns_monte_carlo,
@@ -78,6 +81,23 @@ def test_a_million_missions_are_refused_beforehand_and_spoil_no_other(
     assert "ffni-pearson" in large.message
     assert math.isfinite(usual.pf)
     assert math.isfinite(FFNIPearson().estimate(SYSTEM.problem(), asked[0])[0].pf)
+
+
+@pytest.mark.parametrize(
+    "method",
+    [*METHODS, FFNIPearson(), FFNISaddlepoint(), Kriging(runs=30), PolynomialChaos(runs=30)],
+    ids=lambda method: method.name,
+)
+def test_a_row_is_the_same_alone_and_among_others(method: ReliabilityMethod) -> None:
+    """Thresholds and tau beside it change neither number nor verdict of a row."""
+    problem = SYSTEM.problem()
+    among = [Criterion(9.0), Criterion(12.0), Criterion(12.0, tau=2.0), Criterion(15.0)]
+    together = method.estimate(problem, among, rng=1)
+    for criterion, row in zip(among, together, strict=True):
+        alone = method.estimate(problem, criterion, rng=1)[0]
+        assert (alone.status, alone.message) == (row.status, row.message)
+        assert alone.pf == pytest.approx(row.pf, rel=1e-6, nan_ok=True)
+        assert alone.std_error == pytest.approx(row.std_error, rel=1e-4, nan_ok=True)
 
 
 @each_method

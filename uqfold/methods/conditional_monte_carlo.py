@@ -150,6 +150,7 @@ def _draw(task: Task, missions: int, block: int) -> tuple[FloatArray, IntArray]:
     """Draw one block: inputs (rows, d), and arrangements (ARRANGEMENTS, K) of K responses."""
     from scipy.special import ndtri
 
+    task.check_time()
     inputs, rng = task.problem.inputs, task.generator(block)
     per_draw = missions * task.problem.n_units
     strata = np.empty((BLOCK_DRAWS, inputs.n_shared))

@@ -85,7 +85,8 @@ class MonteCarlo(ReliabilityMethod):
     failure it is the one-sided upper bound. With `target_cov` the stopping time depends on the
     failures, so the interval is then approximate. When the wall-clock limit of the evaluator is
     over, the blocks (of 4,096 systems, fewer if these are large) that are complete make the answer.
-    A system of a million random numbers or more (missions x units x inputs) is ``unsupported``.
+    A system of half a million random numbers or more (missions x units x inputs) is
+    ``unsupported``.
     """
 
     name: ClassVar[str] = "mc"
@@ -130,6 +131,7 @@ class MonteCarlo(ReliabilityMethod):
         def rows() -> Iterator[FloatArray]:
             most_at_once = block_systems(task.problem, task.criteria)
             for block, start in enumerate(range(0, planned, most_at_once)):
+                task.check_time()
                 size = min(most_at_once, planned - start)
                 drawn.append(draw_systems(task.problem, task.criteria, task.generator(block), size))
                 yield drawn[-1].x

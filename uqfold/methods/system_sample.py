@@ -21,7 +21,7 @@ BLOCK_SYSTEMS = 4096
 BLOCK_VALUES = 2**23
 """Random numbers of one block at most, so that its memory stays below about half a gigabyte; a
 block of large systems holds fewer of them. Part of the meaning of a seed."""
-LARGEST_SYSTEM = 1_000_000
+LARGEST_SYSTEM = 500_000
 """A system of so many random numbers, or more, is not simulated."""
 RUNS_WITHOUT_A_BUDGET = 5_000_000
 """Runs that a simulation may take where neither a size nor a budget is given."""
