@@ -61,7 +61,7 @@ def whole(
         remedy += f" >= {at_least}" if at_most is None else f" from {at_least} to {at_most}"
     elif at_most is not None:
         remedy += f" <= {at_most}"
-    number = _plain(value)
+    number = plain(value)
     if not _is_number(number):
         raise refused(name, value, remedy, TypeError)
     if not isinstance(number, Integral) and not (math.isfinite(number) and number == int(number)):
@@ -83,9 +83,10 @@ def real(
     above: float | None = None,
     below: float | None = None,
     finite: bool = True,
+    nan: bool = False,
     what: str = "number",
 ) -> float:
-    """Return a real number between bounds, closed or open; NaN is never one.
+    """Return a real number between bounds, closed or open; NaN is none unless it may be.
 
     Parameters
     ----------
@@ -97,6 +98,8 @@ def real(
         Open bounds.
     finite
         Whether infinity is refused.
+    nan
+        Whether NaN is taken.
     what
         What the number is, for the message: "number of seconds".
 
@@ -118,7 +121,7 @@ def real(
         remedy = f"give a {what} {'<' if below is not None else '<='} {high:g}"
     else:
         remedy = f"give a {'finite ' if finite else ''}{what}"
-    number = _plain(value)
+    number = plain(value)
     if not _is_number(number):
         raise refused(name, value, remedy, TypeError)
     try:
@@ -127,6 +130,8 @@ def real(
         raise refused(name, value, f"{remedy} that fits into a float") from None
     except ValueError:  # a signalling NaN
         raise refused(name, value, remedy) from None
+    if nan and math.isnan(given):
+        return given
     if (
         math.isnan(given)
         or (math.isinf(given) and (finite or given != number))
@@ -142,30 +147,30 @@ def real(
 
 def flag(name: str, value: object) -> bool:
     """Return True or False; 1, "yes" and None are neither."""
-    plain = _plain(value)
-    if not isinstance(plain, bool):
+    simple = plain(value)
+    if not isinstance(simple, bool):
         raise refused(name, value, "give True or False", TypeError)
-    return plain
+    return simple
 
 
 def text(name: str, value: object, *, empty: bool = False, what: str = "text") -> str:
     """Return text, which is not empty unless it may be; bytes are none."""
-    plain = _plain(value)
-    if not isinstance(plain, str):
+    simple = plain(value)
+    if not isinstance(simple, str):
         raise refused(name, value, f"give {what}", TypeError)
-    if not plain and not empty:
+    if not simple and not empty:
         raise refused(name, value, f"give {what} that is not empty")
-    return str(plain)
+    return str(simple)
 
 
 def choice(name: str, value: object, options: Iterable[T]) -> T:
     """Return the option that the value equals: text, a number or a member of an Enum."""
-    plain = _plain(value)
+    simple = plain(value)
     offered = list(options)
     kinds = tuple({type(option) for option in offered})
-    right_kind = isinstance(plain, kinds) and (not isinstance(plain, bool) or bool in kinds)
+    right_kind = isinstance(simple, kinds) and (not isinstance(simple, bool) or bool in kinds)
     for option in offered:
-        if right_kind and plain == option:
+        if right_kind and simple == option:
             return option
     remedy = f"choose from {', '.join(map(shown, offered))}"
     raise refused(name, value, remedy, ValueError if right_kind else TypeError)
@@ -192,8 +197,8 @@ def function(name: str, value: Any, remedy: str = "give a function") -> Callable
 def path(name: str, value: object) -> Path:
     """Return the path of a file or folder, given as text or ``os.PathLike``."""
     remedy = "give a path as text or pathlib.Path"
-    plain = _plain(value)
-    given = os.fspath(plain) if isinstance(plain, str | os.PathLike) else None
+    simple = plain(value)
+    given = os.fspath(simple) if isinstance(simple, str | os.PathLike) else None
     if not isinstance(given, str):
         raise refused(name, value, remedy, TypeError)
     if not given or "\0" in given:
@@ -317,11 +322,7 @@ def array(
 
 
 def keep(
-    record: object,
-    name: str,
-    check: Callable[Concatenate[str, Any, P], object],
-    *args: P.args,
-    **bounds: P.kwargs,
+    record: object, name: str, check: Callable[..., object], /, *args: Any, **bounds: Any
 ) -> None:
     """Check a field of a frozen record and keep what the check returns."""
     object.__setattr__(record, name, check(name, getattr(record, name), *args, **bounds))
@@ -340,7 +341,7 @@ def shown(value: object) -> str:
         return f"<{type(value).__name__}>"
 
 
-def _plain(value: object) -> Any:
+def plain(value: object) -> Any:
     """Return a scalar or array of no dimensions of NumPy as Python's, anything else as it is."""
     if isinstance(value, np.ma.MaskedArray):
         return value  # the number under a mask is none

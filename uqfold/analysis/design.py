@@ -67,6 +67,7 @@ class Scan:
 
     def interval(self, value: float) -> tuple[float, float]:
         """Interval of pf at a value of the range, or twice pf itself where none is stated."""
+        value = real("value", value)
         bounds = [self.low, self.high]
         known = np.isfinite(self.low) & np.isfinite(self.high)
         if known.sum() < 2:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from uqfold.checks import choice, keep, text, whole
+
 if TYPE_CHECKING:
     from uqfold.problems.base import Problem
 
@@ -31,6 +33,11 @@ class Case:
     description: str
     factory: str
     max_evals: int
+
+    def __post_init__(self) -> None:
+        for name in ("name", "description", "factory"):
+            keep(self, name, text)
+        keep(self, "max_evals", whole, at_least=1)
 
     def function(self) -> Callable[..., Problem]:
         """Give the function that builds the problem, and takes its options."""
@@ -84,6 +91,4 @@ def named_case(name: str) -> Case:
         If there is none; the message lists those that exist.
     """
     cases = available_cases()
-    if name not in cases:
-        raise ValueError(f"no case is named {name!r}: choose from {', '.join(cases)}")
-    return cases[name]
+    return cases[choice("name", name, cases)]

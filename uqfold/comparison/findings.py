@@ -15,6 +15,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from uqfold.checks import flag, instance, keep, or_none, real, several, text
+
 Verdict: TypeAlias = Literal["holds", "does not hold", "cannot be judged"]
 
 VERDICT_RULE = (
@@ -55,6 +57,15 @@ class Finding:
     at_least: bool = False
     uncertainty: float | None = None
     remark: str = ""
+
+    def __post_init__(self) -> None:
+        keep(self, "what", text)
+        keep(self, "value", or_none, real, finite=False, nan=True)
+        keep(self, "limit", or_none, real, finite=False, nan=True)
+        keep(self, "unit", text, empty=True)
+        keep(self, "at_least", flag)
+        keep(self, "uncertainty", or_none, real, at_least=0.0, finite=False, nan=True)
+        keep(self, "remark", text, empty=True)
 
     @property
     def verdict(self) -> Verdict | None:
@@ -103,7 +114,8 @@ def verdict_of(findings: Iterable[Finding]) -> Verdict:
     Findings that are only quoted do not count. A claim about most of several things is one finding:
     their share, with a lower limit.
     """
-    verdicts = {finding.verdict for finding in findings} - {None}
+    listed = several("findings", findings, instance, Finding, "give a Finding")
+    verdicts = {finding.verdict for finding in listed} - {None}
     if "does not hold" in verdicts:
         return "does not hold"
     return "holds" if verdicts == {"holds"} else "cannot be judged"

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from uqfold.checks import instance
 from uqfold.comparison.columns import COLUMNS, Row
 from uqfold.comparison.csv_cells import text_of_cell
 from uqfold.comparison.entries import MethodEntry
@@ -35,6 +36,9 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
     ValueError
         If columns are missing, there is no row, or rows of several problems.
     """
+    import pandas as pd
+
+    instance("frame", frame, pd.DataFrame, "give one that uqfold.compare returned")
     missing = [name for name in COLUMNS if name not in frame.columns]
     if missing:
         raise ValueError(

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uqfold.checks import instance, keep, several
+from uqfold.checks import path as checked_path
 from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
 from uqfold.comparison.csv_cells import csv_text
 from uqfold.comparison.encoding import decoded, encoded, parsed_json
@@ -51,6 +53,10 @@ class Records:
     header: RunHeader
     rows: tuple[Row, ...]
 
+    def __post_init__(self) -> None:
+        keep(self, "header", instance, RunHeader, "give a RunHeader")
+        keep(self, "rows", several, instance, (Mapping,), "give a dict of column -> value")
+
     @property
     def finished(self) -> tuple[str, ...]:
         """Labels of the methods that have rows, in the order in which they ran."""
@@ -78,7 +84,8 @@ def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Pat
     tuple[pathlib.Path, pathlib.Path]
         The two files, CSV first.
     """
-    directory = Path(folder)
+    instance("records", records, Records, "give Records")
+    directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     paths = directory / CSV_NAME, directory / JSON_NAME
     texts = csv_text(COLUMNS, records.rows), _json_text(records)
@@ -102,7 +109,7 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     OSError
         If it cannot be opened.
     """
-    file = Path(path)
+    file = checked_path("path", path)
     if file.is_dir():
         file = file / JSON_NAME
     try:

@@ -7,13 +7,31 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from uqfold.checks import (
+    choice,
+    function,
+    instance,
+    keep,
+    listed,
+    mapping,
+    or_none,
+    refused,
+    text,
+    whole,
+)
 from uqfold.comparison.columns import comparison_row
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import CriteriaLike, checked_budget, checked_criteria
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+    checked_problem,
+)
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.registry import available, build
 from uqfold.methods.result import ReliabilityResult
-from uqfold.methods.seeding import RandomSource, reduced_seed
+from uqfold.methods.seeding import LARGEST_SEED, RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria
 
@@ -53,6 +71,17 @@ class ComparisonPlan:
     seed: int = 0
     evaluator: Evaluator = field(default_factory=Evaluator)
 
+    def __post_init__(self) -> None:
+        keep(self, "problem", instance, Problem, "give a Problem")
+        keep(self, "methods", instance, (Mapping,), "give a dict of label -> method")
+        for label, method in self.methods.items():
+            text("a label of methods", label)
+            instance(f"methods[{label!r}]", method, (ReliabilityMethod,), "give a method")
+        keep(self, "criteria", instance, Criteria, "give criteria(...)")
+        keep(self, "max_evals", or_none, whole, at_least=1)
+        keep(self, "seed", whole, at_least=0, at_most=LARGEST_SEED)
+        keep(self, "evaluator", instance, Evaluator, "give uqfold.Evaluator(...)")
+
 
 @dataclass(frozen=True)
 class MethodRun:
@@ -86,15 +115,14 @@ def plan_comparison(
     evaluator: Evaluator | None = None,
 ) -> ComparisonPlan:
     """Check the arguments of a comparison, without running anything; see `compare` for them."""
-    if not isinstance(problem, Problem):
-        raise TypeError(f"problem = {problem!r} is no Problem: see uqfold.Problem")
+    checked_problem(problem)
     return ComparisonPlan(
         problem=problem,
         methods=MappingProxyType(_labelled(methods)),
         criteria=checked_criteria(problem, criteria),
         max_evals=checked_budget(max_evals),
         seed=reduced_seed(rng),
-        evaluator=Evaluator() if evaluator is None else evaluator,
+        evaluator=checked_evaluator(evaluator),
     )
 
 
@@ -123,6 +151,8 @@ def run_comparison(
     FailedRunError
         Only under the policy ``raise`` for failed runs.
     """
+    instance("plan", plan, ComparisonPlan, "give what plan_comparison returned")
+    or_none("progress", progress, function)
     known = plan.problem.references
     references = [None if known is None else known.lookup(one) for one in plan.criteria]
     for label, method in plan.methods.items():
@@ -205,6 +235,7 @@ def compare(
     plan = plan_comparison(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator
     )
+    or_none("progress", progress, function)
     from uqfold.comparison.header import RunHeader
     from uqfold.comparison.records import Records
 
@@ -230,29 +261,33 @@ def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
     if methods is None:
         return {name: method() for name, method in available().items()}
     if isinstance(methods, Mapping):
-        wrong = [label for label in methods if not (isinstance(label, str) and label.strip())]
-        if wrong:
-            raise ValueError(f"{wrong[0]!r} is no label of a method: give a text that is not empty")
-        labelled = {label: _built(method) for label, method in methods.items()}
+        labelled = mapping("methods", methods, _built)
+        if not all(label.strip() for label in labelled):
+            raise refused("methods", list(labelled), "give labels that are not empty")
     else:
-        listed = [methods] if isinstance(methods, str | ReliabilityMethod) else list(methods)
+        one = isinstance(methods, str | ReliabilityMethod)
+        given = (methods,) if one else listed("methods", methods, what="list of methods")
         labelled = {}
-        for method in map(_built, listed):
+        for i, item in enumerate(given):
+            method = _built("methods" if one else f"methods[{i}]", item)
             if method.name in labelled:
                 raise ValueError(
-                    f"two methods are labelled {method.name!r}: give a mapping from label to method"
+                    f"methods: two are labelled {method.name!r}, give a dict of label -> method"
                 )
             labelled[method.name] = method
     if not labelled:
-        raise ValueError(f"no method given: choose from {', '.join(available())}")
+        raise refused("methods", methods, f"choose from {', '.join(available())}")
     return labelled
 
 
-def _built(method: MethodLike) -> ReliabilityMethod:
+def _built(name: str, method: MethodLike) -> ReliabilityMethod:
     if isinstance(method, str):
-        return build(method)
+        return build(choice(name, method, available()))
     if isinstance(method, type) and issubclass(method, ReliabilityMethod):
-        raise TypeError(f"{method.__name__} is a class: give an instance, {method.__name__}()")
-    if not isinstance(method, ReliabilityMethod):
-        raise TypeError(f"{method!r} is no method: give a name or a ReliabilityMethod")
-    return method
+        raise refused(
+            name, method, f"it is a class, give an instance: {method.__name__}()", TypeError
+        )
+    checked: ReliabilityMethod = instance(
+        name, method, (ReliabilityMethod,), "give a name or a ReliabilityMethod"
+    )
+    return checked

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from uqfold.algebra import program_blas_threads
+from uqfold.checks import array
 from uqfold.evaluation.batch import GIVE_UP_AFTER, Caution
 from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import (
@@ -216,9 +217,7 @@ class EvaluationSession:
 
     def admit(self, x: FloatArray) -> FloatArray:
         """Check rows that are to be run, without running them; errors as in `evaluate`."""
-        x = np.ascontiguousarray(x, dtype=np.float64)
-        if x.ndim != 2 or x.shape[1] != self.dimension:
-            raise ValueError(f"X has shape {x.shape}, expected (n, {self.dimension})")
+        x = np.ascontiguousarray(array("X", x, ("n", self.dimension), finite=False))
         if np.isnan(x).any():
             row = int(np.argmax(np.isnan(x).any(axis=1)))
             raise ValueError(f"row {row} of X holds NaN: {x[row]}")

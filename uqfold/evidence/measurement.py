@@ -4,8 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
+from uqfold.checks import (
+    choice,
+    flag,
+    instance,
+    keep,
+    listed,
+    mapping,
+    or_none,
+    plain,
+    real,
+    refused,
+    several,
+    text,
+)
 from uqfold.comparison.findings import Finding, Verdict, verdict_of
 
 Cell: TypeAlias = float | str | None
@@ -21,6 +35,10 @@ class Column:
 
     name: str
     unit: str = ""
+
+    def __post_init__(self) -> None:
+        keep(self, "name", text)
+        keep(self, "unit", text, empty=True)
 
 
 @dataclass(frozen=True)
@@ -43,7 +61,13 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
 
     def __post_init__(self) -> None:
+        keep(self, "name", text)
+        keep(self, "title", text, empty=True)
+        keep(self, "columns", several, instance, Column, "give a Column")
+        keep(self, "rows", several, several, _checked_cell)
         names = [column.name for column in self.columns]
+        if not names:
+            raise refused("columns", self.columns, "give at least one Column")
         if len(set(names)) != len(names):
             raise ValueError(f"table {self.name!r} names a column twice: {names}")
         for i, row in enumerate(self.rows):
@@ -74,9 +98,10 @@ class Table:
         ValueError
             If there are no rows, or their keys differ.
         """
-        listed = list(rows)
-        if not listed:
-            raise ValueError(f"table {name!r} has no rows")
+        given = several("rows", rows, instance, Mapping, "give a dict of column -> cell")
+        if not given:
+            raise refused("rows", given, f"table {name!r} has none, give at least one")
+        listed = [mapping(f"rows[{i}]", row, _checked_cell) for i, row in enumerate(given)]
         names = list(listed[0])
         for i, row in enumerate(listed):
             if list(row) != names:
@@ -96,6 +121,11 @@ class Axis:
     name: str
     unit: str = ""
     scale: Scale = "linear"
+
+    def __post_init__(self) -> None:
+        keep(self, "name", text)
+        keep(self, "unit", text, empty=True)
+        keep(self, "scale", choice, get_args(Scale))
 
 
 @dataclass(frozen=True)
@@ -128,6 +158,13 @@ class Series:
     reference: bool = False
 
     def __post_init__(self) -> None:
+        keep(self, "label", text)
+        keep(self, "x", several, _coordinate)
+        for name in ("y", "low", "high"):
+            keep(self, name, several, _coordinate_or_gap)
+        keep(self, "style", choice, get_args(Style))
+        keep(self, "method", text, empty=True)
+        keep(self, "reference", flag)
         if len(self.y) != len(self.x):
             raise ValueError(f"series {self.label!r}: {len(self.x)} x for {len(self.y)} y")
         for name, ends in (("low", self.low), ("high", self.high)):
@@ -163,6 +200,15 @@ class Figure:
     x_marks: tuple[tuple[str, float], ...] = ()
     y_marks: tuple[tuple[str, float], ...] = ()
 
+    def __post_init__(self) -> None:
+        keep(self, "name", text)
+        keep(self, "title", text, empty=True)
+        keep(self, "x", instance, Axis, "give an Axis")
+        keep(self, "y", instance, Axis, "give an Axis")
+        keep(self, "series", several, instance, Series, "give a Series")
+        keep(self, "x_marks", several, _checked_mark)
+        keep(self, "y_marks", several, _checked_mark)
+
 
 @dataclass(frozen=True)
 class Measurement:
@@ -173,6 +219,9 @@ class Measurement:
     figures: tuple[Figure, ...] = ()
 
     def __post_init__(self) -> None:
+        keep(self, "findings", several, instance, Finding, "give a Finding")
+        keep(self, "tables", several, instance, Table, "give a Table")
+        keep(self, "figures", several, instance, Figure, "give a Figure")
         for kind, parts in (("table", self.tables), ("figure", self.figures)):
             names = [part.name for part in parts]
             if len(set(names)) != len(names):
@@ -186,12 +235,38 @@ class Measurement:
         figures: Sequence[Figure] = (),
     ) -> Measurement:
         """Take any sequences."""
-        return cls(tuple(findings), tuple(tables), tuple(figures))
+        return cls(
+            listed("findings", findings), listed("tables", tables), listed("figures", figures)
+        )
 
     @property
     def verdict(self) -> Verdict:
         """The verdict that the findings give."""
         return verdict_of(self.findings)
+
+
+def _checked_cell(name: str, value: Any) -> Any:
+    simple = plain(value)
+    if isinstance(simple, str | bool | None):
+        return simple
+    real(name, simple, finite=False, nan=True, what="number, a text or None")
+    return simple
+
+
+def _coordinate(name: str, value: Any) -> Any:
+    real(name, value, finite=False, nan=True)
+    return plain(value)
+
+
+def _coordinate_or_gap(name: str, value: Any) -> Any:
+    return or_none(name, value, _coordinate)
+
+
+def _checked_mark(name: str, mark: Any) -> tuple[str, float]:
+    parts = listed(name, mark)
+    if len(parts) != 2:
+        raise refused(name, mark, "give a label and a place")
+    return text(f"{name}[0]", parts[0], empty=True), _coordinate(f"{name}[1]", parts[1])
 
 
 def _cell(value: Any) -> Cell:

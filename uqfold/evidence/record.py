@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
+from uqfold.checks import choice, flag, instance, keep, mapping, or_none, real, several, text, whole
 from uqfold.comparison.findings import Finding, Verdict, verdict_of
 from uqfold.evidence.measurement import Measurement
+from uqfold.methods.seeding import LARGEST_SEED
 
 Kind: TypeAlias = Literal[
     "paper claim", "outside reference", "exact solution", "cross-code", "benchmark", "coverage"
@@ -35,6 +37,12 @@ class PlantedFault:
     what: str
     verdict: Verdict | None = None
     turns_to: Verdict = "does not hold"
+
+    def __post_init__(self) -> None:
+        keep(self, "name", text)
+        keep(self, "what", text, empty=True)
+        keep(self, "verdict", or_none, choice, get_args(Verdict))
+        keep(self, "turns_to", choice, get_args(Verdict))
 
     @property
     def caught(self) -> bool | None:
@@ -68,6 +76,14 @@ class StoredResult:
     findings: tuple[Finding, ...]
     seconds: float
     machine: str
+
+    def __post_init__(self) -> None:
+        keep(self, "date", text, empty=True)
+        keep(self, "current", flag)
+        keep(self, "changed", several, text)
+        keep(self, "findings", several, instance, Finding, "give a Finding")
+        keep(self, "seconds", real, at_least=0.0)
+        keep(self, "machine", text, empty=True)
 
     @property
     def verdict(self) -> Verdict:
@@ -137,6 +153,23 @@ class CaseRecord:
     faults: tuple[PlantedFault, ...] = ()
     stored: StoredResult | None = None
     error: str = ""
+
+    def __post_init__(self) -> None:
+        keep(self, "name", text)
+        for name in (
+            "topic", "title", "claim", "compared_with", "uncertainty", "source", "command",
+            "tolerance", "verdict_rule", "date", "machine", "error",
+        ):  # fmt: skip
+            keep(self, name, text, empty=True)
+        keep(self, "kind", choice, get_args(Kind))
+        keep(self, "seeds", several, whole, at_least=0, at_most=LARGEST_SEED)
+        keep(self, "tier", choice, TIERS)
+        keep(self, "measurement", instance, Measurement, "give a Measurement")
+        keep(self, "seconds", real, at_least=0.0)
+        keep(self, "versions", mapping, text, empty=True)
+        keep(self, "code", mapping, text, empty=True)
+        keep(self, "faults", several, instance, PlantedFault, "give a PlantedFault")
+        keep(self, "stored", or_none, instance, StoredResult, "give a StoredResult")
 
     @property
     def findings(self) -> tuple[Finding, ...]:

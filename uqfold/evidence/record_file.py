@@ -13,6 +13,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from uqfold.checks import instance, refused
+from uqfold.checks import path as checked_path
+from uqfold.checks import text as checked_text
 from uqfold.comparison.encoding import encoded, parsed_json
 from uqfold.comparison.findings import Finding
 from uqfold.evidence.measurement import Axis, Cell, Column, Figure, Measurement, Series, Table
@@ -47,7 +50,11 @@ def write_case_record(record: CaseRecord, folder: str | os.PathLike[str], stem: 
     stem
         Name of the file without ``.json``; by default that of the case.
     """
-    directory = Path(folder)
+    instance("record", record, CaseRecord, "give a CaseRecord")
+    directory = checked_path("folder", folder)
+    checked_text("stem", stem, empty=True)
+    if Path(stem).name != stem:
+        raise refused("stem", stem, "give the name of a file, without a folder")
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / f"{stem or record.name}.json"
     document = to_document(record)
@@ -67,7 +74,7 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
     OSError
         If it cannot be opened.
     """
-    file = Path(path)
+    file = checked_path("path", path)
     try:
         document = parsed_json(file.read_text(encoding="utf-8"))
         if not isinstance(document, Mapping):
@@ -91,7 +98,7 @@ def read_case_records(folder: str | os.PathLike[str]) -> list[CaseRecord]:
     RecordError
         If there is none, or one of the JSON files is not readable as one.
     """
-    directory = Path(folder)
+    directory = checked_path("folder", folder)
     paths = sorted(path for path in directory.glob("*.json") if not path.name.startswith("."))
     if not paths:
         raise RecordError(f"{directory.name} holds no records: run `uqfold validate --out` first")

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import final
 
+from uqfold.checks import path as checked_path
 from uqfold.evaluation import Evaluator, TimeLimitError
 from uqfold.methods import session_file
-from uqfold.methods.arguments import CriteriaLike
+from uqfold.methods.arguments import CriteriaLike, checked_criteria, checked_problem
 from uqfold.methods.ask_tell_session import AskTellSession, Steps, returned_by
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.seeding import RandomSource
@@ -100,7 +101,9 @@ class SequentialMethod(ReliabilityMethod):
             If the file is damaged, is no session file, or belongs to another method, problem,
             criteria, budget, seed or policy for failed runs.
         """
-        saved = session_file.read(path)
+        checked_problem(problem)
+        checked_criteria(problem, criteria)
+        saved = session_file.read(checked_path("path", path))
         if max_evals is None:
             max_evals = saved.header["max_evals"]
         session = self.start(

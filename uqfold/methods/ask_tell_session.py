@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uqfold.algebra import one_blas_thread
-from uqfold.checks import array
+from uqfold.checks import array, instance, refused
+from uqfold.checks import path as checked_path
 from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
 from uqfold.methods.arguments import CriteriaLike, checked_evaluator
@@ -66,6 +67,9 @@ class AskTellSession:
         rng: RandomSource,
         evaluator: Evaluator | None,
     ) -> None:
+        from uqfold.methods.ask_tell import SequentialMethod
+
+        instance("method", method, (SequentialMethod,), "give a method such as Kriging()")
         self._method = method
         self._told = _ToldModel()
         settings = checked_evaluator(evaluator)
@@ -147,12 +151,10 @@ class AskTellSession:
         if self._asked is None:
             raise RuntimeError("the session is done: it takes no more responses")
         # adding zero turns -0.0 into 0.0, so that equal rows have equal bytes
-        rows, values = array("x", x, finite=False) + 0.0, _told_responses(y)
-        d = self._asked.shape[1]
-        if rows.ndim != 2 or rows.shape[1] != d or values.shape != rows.shape[:1]:
-            raise ValueError(
-                f"X has shape {rows.shape}, y {values.shape}: expected (n, {d}) and (n,)"
-            )
+        rows = array("x", x, ("n", self._asked.shape[1]), finite=False) + 0.0
+        values = _told_responses(y)
+        if values.shape != rows.shape[:1]:
+            raise refused("y", y, f"give one response for each of {rows.shape[0]} rows")
         waiting = {key: list(some) for key, some in self._open.items()}
         for row, value in zip(rows, values, strict=True):
             places = waiting.get(row.tobytes())
@@ -191,9 +193,12 @@ class AskTellSession:
         ------
         SessionFileError
             If the file belongs to another run, or holds responses that this session has not.
+        ValueError, TypeError
+            If the path is none.
         OSError
             If it cannot be written.
         """
+        path = checked_path("path", path)
         batches = list(self._history)
         if self._asked is not None:
             batches.append((self._asked, self._answers))

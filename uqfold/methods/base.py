@@ -16,6 +16,7 @@ from typing import Any, ClassVar, TypeVar, final
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
+from uqfold.checks import instance, keep, several
 from uqfold.evaluation import (
     BudgetExceededError,
     EngineError,
@@ -29,6 +30,7 @@ from uqfold.methods.arguments import (
     checked_budget,
     checked_criteria,
     checked_evaluator,
+    checked_problem,
 )
 from uqfold.methods.result import (
     NO_ANSWER,
@@ -123,6 +125,9 @@ class Solution:
     estimates: Sequence[Estimate]
     details: Any = None
 
+    def __post_init__(self) -> None:
+        keep(self, "estimates", several, instance, Estimate, "give an Estimate")
+
 
 @dataclass(frozen=True)
 class OpenRun:
@@ -175,6 +180,8 @@ class ReliabilityMethod(ABC):
         This default accepts exchangeable units in series. A subclass that adds reasons of its own
         calls it first.
         """
+        checked_problem(problem)
+        instance("criterion", criterion, Criterion, "give a Criterion")
         if not problem.exchangeable:
             return f"{self.name} needs exchangeable units (units=<number>)"
         if not isinstance(problem.structure, Series):

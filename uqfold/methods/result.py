@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from uqfold.checks import keep, or_none, real, text, whole
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.typing import FloatArray
 
@@ -61,6 +62,15 @@ class Estimate:
     status: Status = "converged"
     message: str = ""
     n_evals_row: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("pf", "std_error", "ci_low", "ci_high"):
+            keep(self, name, real, finite=False, nan=True)
+        for name in ("reliability", "pf_low", "pf_high"):
+            keep(self, name, or_none, real, finite=False, nan=True)
+        for name in ("ci_kind", "error_kind", "status", "message"):
+            keep(self, name, text, empty=True)
+        keep(self, "n_evals_row", or_none, whole, at_least=0)
 
     @classmethod
     def without_answer(cls, status: Literal["unsupported", "failed"], message: str) -> Estimate:

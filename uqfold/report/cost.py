@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.checks import instance
 from uqfold.comparison.records import Records
 from uqfold.report.clouds import (
     Cloud,
@@ -50,6 +51,7 @@ def error_against_evaluations(records: Records) -> Figure | None:
     """
     from matplotlib.figure import Figure
 
+    instance("records", records, Records, "give Records")
     clouds = error_clouds(records)
     if not clouds:
         return None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from uqfold.checks import instance
 from uqfold.comparison.columns import Row
 from uqfold.comparison.records import Records
 from uqfold.report.drawing import (
@@ -61,6 +62,7 @@ def reliability_curves(records: Records) -> Figure | None:
     """
     from matplotlib.figure import Figure
 
+    instance("records", records, Records, "give Records")
     if all(math.isnan(row["pf"]) for row in records.rows):
         return None
 

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from uqfold.checks import instance
+from uqfold.checks import path as checked_path
 from uqfold.comparison.records import Records
 from uqfold.report.cost import error_against_evaluations
 from uqfold.report.curves import reliability_curves
@@ -43,7 +45,8 @@ def write_figures(records: Records, folder: str | os.PathLike[str]) -> list[Path
         The files written. Without any reference there is no figure of errors, and without any
         answer no figure at all.
     """
-    directory = Path(folder)
+    instance("records", records, Records, "give Records")
+    directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     figures = {
         CURVES_STEM: reliability_curves(records),

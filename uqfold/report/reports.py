@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, get_args
 
+from uqfold.checks import choice, instance, or_none, refused, several
+from uqfold.checks import path as checked_path
 from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.records import JSON_NAME, Records, read_records
 from uqfold.evidence.record import TIERS, CaseRecord
 from uqfold.report.page.blocks import Page
-from uqfold.report.page.write import write_page
+from uqfold.report.page.write import Format, write_page
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +47,7 @@ def report_page(source: Source) -> Page:
         If a file cannot be opened.
     """
     if isinstance(source, str | os.PathLike):
-        return _page_of(Path(source))
+        return _page_of(checked_path("source", source))
     if isinstance(source, Records):
         from uqfold.report.comparison_page import comparison_page
 
@@ -59,9 +61,16 @@ def report_page(source: Source) -> Page:
         from uqfold.comparison.frames import records_from_frame
 
         return report_page(records_from_frame(source))
+    from uqfold.evidence.record import CaseRecord
     from uqfold.report.validation_page import validation_page
 
-    return validation_page(list(source))
+    try:
+        listed = several("source", source, instance, CaseRecord, "give a CaseRecord")
+    except TypeError as error:
+        raise TypeError(f"{error}: records, a frame of uqfold.compare or a path") from None
+    if not listed:
+        raise refused("source", source, "there are no records in it, run `uqfold validate` first")
+    return validation_page(list(listed))
 
 
 def write_report(
@@ -93,6 +102,8 @@ def write_report(
     ...     [path.name for path in uqfold.report.write_report(frame, f"{folder}/report.html")]
     ['report.html']
     """
+    checked_path("path", path)
+    or_none("format", format, choice, get_args(Format))
     return write_page(report_page(source), path, format)
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
+from uqfold.checks import instance, keep
 from uqfold.comparison.columns import Row
 from uqfold.comparison.records import Records
 from uqfold.report.style import STATUS_STYLES
@@ -54,6 +55,9 @@ class ComparisonTable:
     """
 
     records: Records
+
+    def __post_init__(self) -> None:
+        keep(self, "records", instance, Records, "give Records")
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         """Render the table in the width of the console."""

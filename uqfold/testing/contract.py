@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from uqfold.checks import choice, instance, listed, or_none, real, several, whole
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.testing import accuracy, conduct, hard_cases
 from uqfold.testing.verdict import ContractError, Settings
@@ -66,12 +67,17 @@ def check_method(
     ValueError
         If a name is not that of a check.
     """
-    selected = list(CHECKS) if only is None else list(only)
-    left_out = set(except_for)
-    unknown = [name for name in [*selected, *left_out] if name not in CHECKS]
-    if unknown:
-        raise ValueError(f"no check is named {unknown[0]!r}: choose from {', '.join(CHECKS)}")
-    settings = Settings(tolerance=tolerance, max_evals=max_evals)
+    instance("method", method, (ReliabilityMethod,), "give a method built from its class")
+    chosen = or_none("only", only, several, choice, CHECKS)
+    selected = list(CHECKS) if chosen is None else list(chosen)
+    left_out = {
+        choice(f"except_for[{i}]", name, CHECKS)
+        for i, name in enumerate(listed("except_for", except_for, sets=True))
+    }
+    settings = Settings(
+        tolerance=real("tolerance", tolerance, above=0.0, below=1.0),
+        max_evals=whole("max_evals", max_evals, at_least=1),
+    )
     ran = [name for name in selected if name not in left_out]
     for name in ran:
         CHECKS[name](method, settings)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.checks import instance, keep, real, whole
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
@@ -41,6 +42,12 @@ class LinearNormalSystem:
     shared_std: float = 0.3
     individual_std: float = 1.0
 
+    def __post_init__(self) -> None:
+        keep(self, "units", whole, at_least=1)
+        keep(self, "mean", real)
+        keep(self, "shared_std", real, at_least=0.0)
+        keep(self, "individual_std", real, above=0.0)
+
     def problem(self) -> Problem:
         """Give the system as a problem with one shared and two individual inputs."""
         return Problem(
@@ -58,6 +65,7 @@ class LinearNormalSystem:
 
     def pf(self, criterion: Criterion) -> float:
         """Exact failure probability, to about 1e-12 relative."""
+        instance("criterion", criterion, Criterion, "give a Criterion")
         v, weights = normal_rule()
         one = np.array([self._mission_failure(criterion, value) for value in v])
         missions = criterion.missions
