@@ -111,9 +111,9 @@ def test_figures_of_an_earlier_comparison_do_not_stay_beside_other_records() -> 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["wing"], "no case is named 'wing': choose from folding-wing, folding-wing-random-"),
-        (["series", "--method", "nope"], "no method is named 'nope': choose from ffni-spa, "),
-        (["series", "--method", "mc,mc"], "two methods are labelled 'mc'"),
+        (["wing"], "name = 'wing': choose from 'folding-wing', 'folding-wing-random-"),
+        (["series", "--method", "nope"], "'nope': choose from 'ffni-spa', "),
+        (["series", "--method", "mc,mc"], "methods: two are labelled 'mc'"),
         (["series", "--threshold", "x"], "--threshold x: give a number"),
         (["series", "--tau", "-1"], "tau = -1.0: give a number >= 0, or None"),
         (["series", "--missions", "0"], "missions = 0"),

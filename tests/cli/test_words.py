@@ -59,15 +59,15 @@ def test_a_value_given_twice_is_asked_once() -> None:
     ("threshold", "tau", "missions", "said"),
     [
         (["x"], None, None, "--threshold x: give a number"),
-        (["nan"], None, None, "threshold is NaN"),
+        (["nan"], None, None, "threshold = nan"),
         ([","], None, None, "--threshold is empty"),
         (None, ["half"], None, "--tau half: give a number or none"),
         (None, ["-1"], None, r"tau = -1.0: give a number >= 0"),
         (None, None, ["0"], "missions = 0"),
         (None, None, ["1.5"], "--missions 1.5: give a whole number, or PLANNED:P"),
         (None, None, ["10:x"], "--missions x: give a number"),
-        (None, None, ["10:1.7"], r"Binomial\(p=1.7\)"),
-        (None, None, ["0:0.7"], r"Binomial\(planned=0\)"),
+        (None, None, ["10:1.7"], "p = 1.7: give a probability"),
+        (None, None, ["0:0.7"], "planned = 0"),
     ],
 )
 def test_what_cannot_be_read_is_refused(

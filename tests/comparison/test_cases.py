@@ -34,6 +34,6 @@ def test_budgets_suit_the_cost_of_the_model() -> None:
 def test_an_unknown_case_is_refused_with_the_choices() -> None:
     with pytest.raises(
         ValueError,
-        match="no case is named 'wing': choose from folding-wing, folding-wing-random-lengths, ser",
+        match="name = 'wing': choose from 'folding-wing', 'folding-wing-random-lengths', 'ser",
     ):
         named_case("wing")

@@ -18,7 +18,7 @@ def test_table_of_rows() -> None:
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([], "table 't' has no rows"),
+        ([], "table 't' has none, give at least one"),
         ([{"a": 1}, {"b": 1}], r"row 1 has the keys \['b'\], not \['a'\]"),
     ],
 )

@@ -214,7 +214,7 @@ def test_shapes_of_standard_normal_rows(inputs: JointInputs) -> None:
     assert inputs.from_standard_normal(np.zeros((1, 2))).shape == (1, 2)
     assert inputs.from_standard_normal([[0, 1], [1, 0]]).dtype == np.float64  # type: ignore[arg-type]
     for wrong in (np.zeros(2), np.zeros((3, 1)), np.zeros((2, 3)), np.zeros((1, 2, 2))):
-        with pytest.raises(ValueError, match=r"expected \(n, 2\)"):
+        with pytest.raises(ValueError, match=r"^u = .*: give real numbers of shape \(n, 2\)"):
             inputs.from_standard_normal(wrong)
 
 
@@ -257,7 +257,7 @@ def test_transformation_there_and_back(inputs: JointInputs) -> None:
     u = np.random.default_rng(5).standard_normal((200, inputs.dimension))
     back = inputs.to_standard_normal(inputs.from_standard_normal(u))
     np.testing.assert_allclose(back, u, atol=1e-8)
-    with pytest.raises(ValueError, match="x has shape"):
+    with pytest.raises(ValueError, match=r"^x = .*: give real numbers of shape"):
         inputs.to_standard_normal(u[:, :1])
 
 

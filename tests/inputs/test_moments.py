@@ -70,7 +70,7 @@ def test_inputs_with_other_moments() -> None:
     assert changed.n_shared == 1
     assert changed.means.tolist() == pytest.approx([6.0, 0.0, 1.5])
     assert changed.standard_deviations.tolist() == pytest.approx([1.0, 1.0, 0.1])
-    with pytest.raises(ValueError, match=r"'k' is not one of the inputs \['v', 'a', 'b'\]"):
+    with pytest.raises(ValueError, match=r"means = .*'k' is not one of the inputs \['v'"):
         inputs.with_moments(means={"k": 1.0})
 
 

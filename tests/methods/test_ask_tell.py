@@ -169,8 +169,8 @@ def test_equal_rows_each_want_their_response() -> None:
 @pytest.mark.parametrize(
     ("x", "y", "match"),
     [
-        (np.zeros((3, 2)), np.zeros(3), "expected"),
-        (np.zeros((3, 3)), np.zeros(2), "expected"),
+        (np.zeros((3, 2)), np.zeros(3), r"^x = .*: give real numbers of shape \(n, 3\)"),
+        (np.zeros((3, 3)), np.zeros(2), "^y = .*: give one response for each of 3 rows"),
         (np.zeros((1, 3)), np.zeros(1), "was not asked for"),
     ],
 )

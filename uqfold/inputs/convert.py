@@ -51,7 +51,7 @@ def as_openturns(distribution: Any) -> Any:
         joint = _listed(list(distribution.values()), [f"input {name!r}" for name in given])
         joint.setDescription(given)
         return joint
-    if isinstance(distribution, Sequence) and not isinstance(distribution, str):
+    if isinstance(distribution, Sequence) and not isinstance(distribution, str | bytes):
         return _listed(
             distribution, [f"input {i + 1} of the list" for i in range(len(distribution))]
         )

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.checks import array, instance, real, refused, several, shown, whole
 from uqfold.checks import names as checked_names
-from uqfold.checks import real, refused
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.gauss import gauss_rule
@@ -118,6 +118,10 @@ class JointInputs(WithoutCaches):
         ValueError
             If the dependence cannot be computed in that order.
         """
+        last = self.dimension - 1
+        order = several("order", order, whole, at_least=0, at_most=last)
+        if len(set(order)) != len(order):
+            raise refused("order", order, "give each column once")
         parts = self.parts.chosen(order)
         columns = tuple(self.columns[i] for i in order)
         names = tuple(self.names[i] for i in order)
@@ -255,9 +259,7 @@ class JointInputs(WithoutCaches):
     def _mapped(
         self, name: str, rows: FloatArray, block: Callable[[FloatArray], FloatArray]
     ) -> FloatArray:
-        rows = np.asarray(rows, dtype=np.float64)
-        if rows.ndim != 2 or rows.shape[1] != self.dimension:
-            raise ValueError(f"{name} has shape {rows.shape}, expected (n, {self.dimension})")
+        rows = array(name, rows, ("n", self.dimension), finite=False)
         mapped = np.empty(rows.shape)
         quick = len(self._quick) == self.dimension
         start, size = 0, _MOST_ROWS if quick else _FIRST_ROWS
@@ -284,6 +286,7 @@ class JointInputs(WithoutCaches):
         of_shared, of_individual
             Each (n,): of the shared inputs, and of the individual ones given these.
         """
+        x = array("x", x, ("n", self.dimension), finite=False)
         shared, all_of_them = np.zeros(len(x)), np.zeros(len(x))
         for i in self._free:
             alone = self.columns[i].log_pdf(x[:, i])
@@ -333,6 +336,8 @@ class JointInputs(WithoutCaches):
 
     def sample(self, rng: np.random.Generator, size: int) -> FloatArray:
         """Draw `size` independent rows X (size, d)."""
+        instance("rng", rng, np.random.Generator, "give a numpy.random.Generator")
+        size = whole("size", size, at_least=0)
         return self.from_standard_normal(rng.standard_normal((size, self.dimension)))
 
     def gauss_rule(self, column: int, n: int) -> tuple[FloatArray, FloatArray]:
@@ -356,6 +361,7 @@ class JointInputs(WithoutCaches):
             If `n` is out of range, or the marginal has no such rule (moments missing, or beyond
             double precision).
         """
+        column = whole("column", column, at_least=0, at_most=self.dimension - 1)
         return gauss_rule(self.columns[column], n)
 
     def __repr__(self) -> str:
@@ -380,10 +386,11 @@ def product_inputs(
     ValueError
         If there is no input at all, a name occurs twice, or an input cannot be computed.
     """
-    given = [part for part in (shared, individual) if part is not None]
+    named = (("shared", shared), ("individual", individual))
+    given = [part for _, part in named if part is not None]
     if not given:
-        raise ValueError("no inputs: give shared=, individual= or inputs=")
-    blocks = [as_openturns(part) for part in given]
+        raise ValueError("no inputs: give shared=, individual= or inputs=, not None for all")
+    blocks = [_distribution(name, part) for name, part in named if part is not None]
     own = [_Names.of(part, block) for part, block in zip(given, blocks, strict=True)]
     parts = Parts((), ())
     for block in blocks:
@@ -412,7 +419,7 @@ def joint_inputs(
         If a shared name is not among the inputs, a name occurs twice, or an input or the
         dependence cannot be computed.
     """
-    distribution = as_openturns(inputs)
+    distribution = _distribution("inputs", inputs)
     given = _resolved(names, [_Names.of(inputs, distribution)])
     shared = checked_names("shared", shared)
     unknown = [name for name in shared if name not in given]
@@ -424,6 +431,15 @@ def joint_inputs(
     if order != sorted(order):
         parts = parts.chosen(order)
     return _assembled(parts, tuple(given[i] for i in order), len(shared))
+
+
+def _distribution(name: str, given: Any) -> Any:
+    """Return the OpenTURNS form of an argument, which errors name."""
+    try:
+        return as_openturns(given)
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{name} = {shown(given)}: {error}") from error
 
 
 def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:
@@ -453,7 +469,7 @@ def _changes(
         raise refused(argument, given, "give a mapping from names to values", TypeError)
     for name in given:
         if name not in names:
-            raise ValueError(f"{name!r} is not one of the inputs {list(names)}")
+            raise refused(argument, given, f"{name!r} is not one of the inputs {list(names)}")
     return {name: real(f"{argument}[{name!r}]", value) for name, value in given.items()}
 
 

@@ -97,7 +97,7 @@ def test_the_reduced_form_replaces_keys(tmp_path: Path) -> None:
         ("step = 0.0025", "step = 0.007", 24, "run[1].thresholds.step", "whole number of steps"),
         ("step = 0.0025", "stop = 1.0", 24, "", "no TOML"),
         ('"none", 16', '"non", 16', 25, "run[1].tau[1]", "the text none"),
-        ("p = 0.7", "p = 1.7", 26, "run[1].missions[2]", "lies in [0, 1]"),
+        ("p = 0.7", "p = 1.7", 26, "run[1].missions[2]", "give a probability in [0, 1]"),
         ("[100, 200]", "[100, 100]", 27, "run[1].max_evals[2]", "occurs twice"),
         ("seeds = 2", "seeds = 0", 28, "run[1].seeds", "whole number >= 1"),
         (
