@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uqfold.algebra import one_blas_thread
-from uqfold.checks import array, instance, refused
+from uqfold.checks import array, instance, refused, shown
 from uqfold.checks import path as checked_path
 from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
@@ -277,7 +277,7 @@ def _told_responses(y: ArrayLike) -> FloatArray:
     try:
         values = numbers_in(y)
     except ResponseError as error:
-        raise TypeError(f"y: {error}") from error
+        raise TypeError(f"y = {shown(y)}: {error}") from error
     if _is_complex(y):
         raise TypeError("y holds complex numbers: give real ones, NaN for a failed run")
     return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
