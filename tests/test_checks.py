@@ -163,6 +163,8 @@ def test_names_are_not_given_twice():
 def test_arrays_have_real_numbers_and_a_shape():
     assert checks.array("X", [[1, 2]], ("n", 2)).dtype == np.float64
     assert checks.array("y", [Fraction(1, 2), 1], ("n",)).tolist() == [0.5, 1.0]
+    exact = np.array([Fraction(1, 2), np.nan], dtype=object)
+    assert np.isnan(checks.array("y", exact, finite=False)).tolist() == [False, True]
     assert checks.array("X", np.empty((0, 2)), ("n", 2)).shape == (0, 2)
     assert np.isnan(checks.array("y", [np.nan], finite=False)).all()
     with pytest.raises(

@@ -17,16 +17,16 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from numbers import Integral, Real
 from pathlib import Path
 from reprlib import Repr
-from typing import Any, Concatenate, ParamSpec, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar, overload
 
-import numpy as np
-
-from uqfold.typing import FloatArray
+if TYPE_CHECKING:
+    from uqfold.typing import FloatArray
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -292,19 +292,19 @@ def array(
     TypeError, ValueError
         If an entry is no such number, or the shape differs.
     """
-    size = (
-        ""
-        if shape is None
-        else f" of shape ({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
-    )
-    remedy = f"give {'finite ' if finite else ''}real numbers{size}"
+    import numpy as np
+
+    remedy = f"give {'finite ' if finite else ''}real numbers"
+    if shape is not None:
+        remedy += f" of shape ({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
     try:
         given = np.asanyarray(value)
     except (TypeError, ValueError, OverflowError):  # lists of different lengths
         raise refused(name, value, remedy) from None
     if given.dtype.kind == "O":
         given = np.array(
-            [real(name, item, finite=False) for item in given.ravel().tolist()], dtype=np.float64
+            [real(name, item, finite=finite, nan=not finite) for item in given.ravel().tolist()],
+            dtype=np.float64,
         ).reshape(given.shape)
     if given.dtype.kind not in "iuf" and given.size:
         raise refused(name, value, remedy, TypeError)
@@ -343,12 +343,16 @@ def shown(value: object) -> str:
 
 def plain(value: object) -> Any:
     """Return a scalar or array of no dimensions of NumPy as Python's, anything else as it is."""
-    if isinstance(value, np.ma.MaskedArray):
-        return value  # the number under a mask is none
-    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
-        return value if value.dtype.kind in "mMV" else value.item()  # dates are no numbers
-    return value
+    np = sys.modules.get("numpy")  # what is not loaded has made no scalar
+    if np is None or not isinstance(value, np.generic | np.ndarray):
+        return value
+    if isinstance(value, np.ma.MaskedArray) or value.dtype.kind in "mMV" or value.ndim:
+        return value  # dates are no numbers, nor is one under a mask
+    return value.item()
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, Real | Decimal) and not isinstance(value, bool | np.timedelta64)
+    """Whether a plain value is a real number; a duration of NumPy would count as one."""
+    if isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "m":
+        return False
+    return isinstance(value, Real | Decimal)

@@ -1,0 +1,843 @@
+"""Good arguments for every public constructor, function and method, for `test_arguments`.
+
+`calls` says how each of them is called; `WITHOUT_ARGUMENT_CHECKS` names those that only the package
+itself calls, and why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import uqfold
+from uqfold import (
+    analysis,
+    comparison,
+    evaluation,
+    evidence,
+    inputs,
+    mechanism,
+    methods,
+    problems,
+    report,
+    testing,
+)
+
+WRONG: dict[str, Any] = {
+    "true": True,
+    "text": "5",
+    "bytes": b"5",
+    "none": None,
+    "nan": math.nan,
+    "infinity": math.inf,
+    "minus infinity": -math.inf,
+    "minus one": -1,
+    "zero": 0,
+    "fraction": 5.5,
+    "huge": 10**400,
+    "complex": 5j,
+    "object": object(),
+    "empty list": [],
+    "nested list": [["5"]],
+    "list of None": [None],
+    "dict": {1: 2},
+    "set": {5.5},
+    "duration": np.timedelta64(5, "ns"),
+    "class": dict,
+}
+ALL = frozenset(WRONG)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What one parameter takes.
+
+    Attributes
+    ----------
+    good
+        A good value.
+    same
+        The same value in another type, which has to give the same answer.
+    takes
+        Which of the wrong values are good here.
+    untried
+        Which of them are good here, but cost too much to try.
+    """
+
+    good: Any
+    same: Any = None
+    takes: frozenset[str] = frozenset()
+    untried: frozenset[str] = frozenset()
+
+    def also(self, *names: str) -> Kind:
+        assert set(names) <= ALL
+        return replace(self, takes=self.takes | set(names))
+
+    def except_for(self, *names: str) -> Kind:
+        assert set(names) <= ALL
+        return replace(self, untried=frozenset(names))
+
+
+def count(value: int = 5) -> Kind:
+    return Kind(value, np.int64(value))
+
+
+def number(value: float = 0.5) -> Kind:
+    return Kind(value, np.float64(value), frozenset({"fraction"}))
+
+
+def any_number(value: float = 0.5) -> Kind:
+    return number(value).also("minus one", "zero")
+
+
+def flag(value: bool = True) -> Kind:
+    return Kind(value, np.bool_(value), frozenset({"true"}))
+
+
+def text(value: str = "some") -> Kind:
+    return Kind(value, np.str_(value), frozenset({"text"}))
+
+
+def choice(value: str) -> Kind:
+    return Kind(value, np.str_(value))
+
+
+def thing(value: Any) -> Kind:
+    return Kind(value)
+
+
+def anything(value: Any) -> Kind:
+    return Kind(value, None, ALL)
+
+
+def optional(kind: Kind) -> Kind:
+    return kind.also("none")
+
+
+def numbers(value: list[Any]) -> Kind:
+    return Kind(value, np.array(value))
+
+
+@dataclass(frozen=True)
+class Call:
+    """How something is called: a function of its parameters, and their kinds."""
+
+    function: Callable[..., Any]
+    kinds: dict[str, Kind]
+
+
+def response(x: Any) -> Any:
+    """Response of two inputs."""
+    return x[:, 0] + x[:, 1]
+
+
+def limit_state(x: Any) -> Any:
+    """Limit state of one input."""
+    return 3.0 - x[:, 0]
+
+
+def read_output(folder: Path) -> float:
+    """Read no output."""
+    return math.nan
+
+
+X = [[0.0, 1.0]]
+POOL = ThreadPoolExecutor(1)
+
+
+def nothing(*_: Any) -> None:
+    """Listen to no progress."""
+
+
+WITHOUT_ARGUMENT_CHECKS = {
+    # answers: only the package builds them
+    "analysis.Design", "analysis.InputParameter", "analysis.PfDerivative", "analysis.PfDerivatives",
+    "analysis.Scan", "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
+    "comparison.MethodRun", "comparison.RunHeader", "evaluation.EvaluationSession",
+    "evaluation.RunningEstimate", "inputs.JointInputs",
+    "mechanism.BaumgarteTrajectory", "mechanism.Trajectory", "methods.CriterionResult",
+    "methods.Task", "ReliabilityResult",
+    # the package's own side of store, executors and sessions
+    "analysis.Scan.of", "comparison.RunHeader.of", "comparison.RunHeader.from_document",
+    "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
+    "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
+    "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
+    "methods.AskTellSession.replay",
+    "methods.Estimate.without_answer", "methods.Task.expect", "methods.Task.generator",
+    "methods.Task.evaluate", "methods.Task.summed_up", "testing.LinearNormalSystem.response",
+    # records without fields: their verbs are in the table
+    "ReliabilityMethod", "methods.SequentialMethod",
+    # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
+    "evaluation.Dask", "cli.main",
+}  # fmt: skip
+"""Names that only the package itself calls, and those tested elsewhere."""
+
+
+def calls(folder: Path) -> dict[str, Call]:
+    """Return how every public name is called; files are read from and written to a folder."""
+    normal = inputs.normal(0.0, 1.0)
+    criterion = uqfold.Criterion(3.0)
+    criteria = uqfold.criteria([3.0])
+    problem = uqfold.Problem(
+        response,
+        shared={"a": normal},
+        individual={"b": normal},
+        units=2,
+        default_criteria=criteria,
+    )
+    joint = problem.inputs
+    plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
+    rows = tuple(row for run in comparison.run_comparison(plan) for row in run.rows)
+    records = comparison.Records(comparison.RunHeader.of(plan), rows)
+    comparison.write_records(records, folder)
+    cheap = methods.FFNIPearson()
+    design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
+    wing = mechanism.WingParameters(t_max=0.01)
+    finding = evidence.Finding("error", 0.5, 1.0)
+    column = evidence.Column("a")
+    table = evidence.Table("t", "T", (column,), ((1.0,),))
+    series = evidence.Series("s", (1.0,), (2.0,))
+    axis = evidence.Axis("x")
+    figure = evidence.Figure("f", "F", axis, axis, (series,))
+    measurement = evidence.Measurement((finding,))
+    case: dict[str, Any] = {
+        "name": text(), "topic": text(), "title": text(), "claim": text(),
+        "kind": choice("coverage"), "compared_with": text(), "uncertainty": text(),
+        "source": text(), "command": text(), "seeds": thing((1,)).also("empty list"),
+        "tolerance": text(), "verdict_rule": text(), "tier": choice("quick"),
+        "measurement": thing(measurement), "date": text("2026-01-01T00:00:00+00:00"),
+        "seconds": number().also("zero"), "machine": text(), "versions": thing({"numpy": "2"}),
+        "code": thing({"uqfold": "1"}), "faults": thing(()).also("empty list"),
+        "stored": optional(thing(None)), "error": text(),
+    }  # fmt: skip
+    case_record = evidence.CaseRecord(**{name: kind.good for name, kind in case.items()})
+    cases = folder / "cases"
+    case_path = evidence.write_case_record(case_record, cases)
+    session = methods.Kriging(runs=6).start(problem, criterion, rng=1)
+    saved = folder / "session.json"
+    session.save(saved)
+    reference = problems.Reference(criterion, 0.1, 0.01)
+    references = problems.ReferenceTable("p", "simulation", "so", "x", {criterion: reference})
+    store = folder / "store.db"
+
+    at = thing(problem)
+    of = {"problem": at, "criteria": optional(thing(criteria))}
+    run = {
+        "max_evals": optional(count(1_000)),
+        "rng": optional(count(1)).also("zero"),
+        "evaluator": optional(thing(uqfold.Evaluator())),
+    }
+    method = thing(cheap).except_for("none")
+    surface = thing(methods.PolynomialChaos(runs=10, max_degree=1)).except_for("none")
+    some_methods = thing(["ffni-spa"]).except_for("none")
+    anywhere = number(3.0).also("minus one", "zero", "infinity", "minus infinity")
+    tau = optional(number(2.0).also("zero", "infinity"))
+    between = numbers([0.0, 9.0])
+    file = Kind(str(folder), Path(folder), frozenset({"text"}))
+    moments = optional(thing({"b": 1.5}))
+    wing_moments = optional(thing({"b": 7.5}))
+    nodes = Kind(3, np.int64(3), frozenset({"empty list"}))
+    estimate = {
+        "pf": number(0.1).also("minus one", "zero", "nan", "infinity", "minus infinity"),
+        **{name: optional(number(0.1).also("minus one", "zero", "nan", "infinity",
+           "minus infinity")) for name in ("reliability", "pf_low", "pf_high")},
+        **{name: number(0.1).also("minus one", "zero", "nan", "infinity", "minus infinity")
+           for name in ("std_error", "ci_low", "ci_high")},
+        "ci_kind": text(), "error_kind": text("sampling"), "status": text("converged"),
+        "message": text(), "n_evals_row": optional(count()).also("zero"),
+    }  # fmt: skip
+    finding_kinds = {
+        "what": text(),
+        **{name: optional(any_number().also("nan", "infinity", "minus infinity"))
+           for name in ("value", "limit")},
+        "unit": text(), "at_least": flag(),
+        "uncertainty": optional(number().also("zero", "infinity", "nan")), "remark": text(),
+    }  # fmt: skip
+    return {
+        "Binomial": Call(
+            uqfold.Binomial,
+            {"planned": count(), "p": Kind(0.5, np.float64(0.5), frozenset({"zero"}))},
+        ),
+        "Criteria": Call(uqfold.Criteria, {"criteria": thing([criterion])}),
+        "Criterion": Call(
+            uqfold.Criterion, {"threshold": anywhere, "tau": tau, "missions": count()}
+        ),
+        "CutSets": Call(uqfold.CutSets, {"sets": numbers([[0, 1]])}),
+        "Evaluator": Call(
+            uqfold.Evaluator,
+            {
+                "failed_runs": choice("bound"),
+                "batch_rows": optional(count()),
+                "progress": optional(thing(nothing)),
+                "watch": optional(thing(nothing)),
+                "store": optional(Kind(str(store), store, frozenset({"text"}))),
+                "executor": optional(thing(evaluation.InProcess())),
+                "max_seconds": optional(number()),
+                "seconds_per_run": optional(number()),
+            },
+        ),
+        "KOutOfN": Call(uqfold.KOutOfN, {"k": count()}),
+        "Parallel": Call(uqfold.Parallel, {}),
+        "Series": Call(uqfold.Series, {}),
+        "Problem": Call(
+            uqfold.Problem,
+            {
+                "model": thing(response),
+                "inputs": anything(None),
+                "shared": optional(thing({"a": normal})),
+                "individual": optional(thing({"b": normal})),
+                "units": count(3),
+                "structure": optional(thing(uqfold.Series())),
+                "low_fidelity": optional(thing(response)),
+                "version": optional(text()),
+                "name": optional(text()),
+                "response": text(),
+                "response_unit": text(),
+                "input_units": optional(thing(["m", "s"])),
+                "names": optional(thing(["c", "d"])),
+                "default_criteria": optional(thing(criteria)),
+                "references": optional(thing(references)),
+            },
+        ),
+        "Problem.from_limit_state": Call(
+            uqfold.Problem.from_limit_state, {"g": thing(limit_state), "inputs": thing([normal])}
+        ),
+        "Problem.with_moments": Call(
+            problem.with_moments, {"means": moments, "standard_deviations": moments}
+        ),
+        "ReliabilityMethod.estimate": Call(cheap.estimate, {**of, **run}),
+        "ReliabilityMethod.supports": Call(
+            cheap.supports, {"problem": at, "criterion": thing(criterion)}
+        ),
+        "Unit": Call(
+            uqfold.Unit,
+            {
+                "model": optional(thing(response)),
+                "individual": anything(None),
+                "offset": any_number(),
+                "name": text(),
+            },
+        ),
+        "compare": Call(
+            uqfold.compare,
+            {
+                "problem": at,
+                "methods": some_methods,
+                "criteria": of["criteria"],
+                **run,
+                "progress": optional(thing(nothing)),
+            },
+        ),
+        "criteria": Call(
+            uqfold.criteria,
+            {
+                "threshold": anywhere.also("set"),
+                "tau": tau.also("set", "list of None"),
+                "missions": count(),
+            },
+        ),
+        "analysis.Scan.interval": Call(design.scan.interval, {"value": any_number()}),
+        "analysis.chaos_sobol": Call(
+            analysis.chaos_sobol, {"problem": at, "method": surface, **run}
+        ),
+        "analysis.conditional_sobol": Call(
+            analysis.conditional_sobol,
+            {"problem": at, "samples": count(4), "repetitions": count(3), **run},
+        ),
+        "analysis.design_input": Call(
+            analysis.design_input,
+            {
+                "problem": at,
+                "criterion": thing(criterion),
+                "target_pf": Kind(0.1, np.float64(0.1)),
+                "input": choice("b"),
+                "between": between,
+                "moment": choice("mean"),
+                "seek": choice("smallest"),
+                "method": method,
+                "points": optional(count()),
+                **run,
+            },
+        ),
+        "analysis.design_threshold": Call(
+            analysis.design_threshold,
+            {
+                "problem": at,
+                "target_pf": Kind(0.1, np.float64(0.1)),
+                "between": between,
+                "tau": tau,
+                "missions": count(),
+                "method": method,
+                "points": count(9),
+                **run,
+            },
+        ),
+        "analysis.design_thresholds": Call(
+            analysis.design_thresholds,
+            {
+                "problem": at,
+                "target_pf": Kind(0.1, np.float64(0.1)),
+                "between": between,
+                "profiles": thing([(None, 1)]),
+                "method": method,
+                "points": count(9),
+                **run,
+            },
+        ),
+        "analysis.pick_freeze": Call(
+            analysis.pick_freeze,
+            {"problem": at, "samples": count(4), "repetitions": count(3), **run},
+        ),
+        "analysis.score_derivatives": Call(
+            analysis.score_derivatives,
+            {**of, "systems": count(), "inputs": optional(thing(["b"])), **run},
+        ),
+        "analysis.surface_derivatives": Call(
+            analysis.surface_derivatives,
+            {**of, "method": surface, "inputs": optional(thing(["b"])), **run},
+        ),
+        "analysis.verify": Call(
+            analysis.verify,
+            {"design": thing(design), "method": method, "value": optional(any_number()), **run},
+        ),
+        "analysis.verify_all": Call(
+            analysis.verify_all,
+            {"places": thing([(design, 2.0)]).also("empty list"), "method": method, **run},
+        ),
+        "comparison.Case": Call(
+            comparison.Case,
+            {"name": text(), "description": text(), "factory": text("a:b"), "max_evals": count()},
+        ),
+        "comparison.ComparisonPlan": Call(
+            comparison.ComparisonPlan,
+            {
+                "problem": at,
+                "methods": thing({"m": cheap}),
+                "criteria": thing(criteria),
+                "max_evals": run["max_evals"],
+                "seed": count().also("zero"),
+                "evaluator": thing(uqfold.Evaluator()),
+            },
+        ),
+        "comparison.Records": Call(
+            comparison.Records,
+            {"header": thing(records.header), "rows": thing(records.rows).also("empty list")},
+        ),
+        "comparison.available_cases": Call(comparison.available_cases, {}),
+        "comparison.named_case": Call(comparison.named_case, {"name": choice("series")}),
+        "comparison.plan_comparison": Call(
+            comparison.plan_comparison,
+            {"problem": at, "methods": some_methods, "criteria": of["criteria"], **run},
+        ),
+        "comparison.read_records": Call(comparison.read_records, {"path": file}),
+        "comparison.records_from_frame": Call(
+            comparison.records_from_frame, {"frame": thing(records.to_frame())}
+        ),
+        "comparison.run_comparison": Call(
+            lambda **given: list(comparison.run_comparison(**given)),
+            {"plan": thing(plan), "progress": optional(thing(nothing))},
+        ),
+        "comparison.write_records": Call(
+            comparison.write_records, {"records": thing(records), "folder": file}
+        ),
+        "evaluation.Column": Call(
+            evaluation.Column,
+            {
+                "file": text(),
+                "column": count().also("zero", "minus one"),
+                "row": count().also("zero", "minus one"),
+                "delimiter": optional(text(",")),
+            },
+        ),
+        "evaluation.EvaluationSession.evaluate": Call(
+            uqfold.Evaluator().open(problem, None).evaluate, {"x": numbers(X)}
+        ),
+        "evaluation.ExternalCode": Call(
+            evaluation.ExternalCode,
+            {
+                "command": thing(["code", "{{a}}"]),
+                "names": thing(["a"]),
+                "output": thing(read_output),
+                "templates": thing({}),
+                "timeout": optional(number()),
+                "parallel": count(),
+                "folder": optional(file),
+                "keep": choice("failed"),
+            },
+        ),
+        "evaluation.Futures": Call(
+            evaluation.Futures, {"executor": thing(POOL), "workers": optional(count())}
+        ),
+        "evaluation.InProcess": Call(evaluation.InProcess, {}),
+        "evaluation.Processes": Call(
+            evaluation.Processes, {"workers": optional(count()), "retries": count().also("zero")}
+        ),
+        "evaluation.Regex": Call(
+            evaluation.Regex, {"pattern": Kind("(.*)", np.str_("(.*)")), "file": text()}
+        ),
+        "evaluation.Store": Call(
+            evaluation.Store, {"path": Kind(str(store), store, frozenset({"text"}))}
+        ),
+        "evaluation.per_sample": Call(evaluation.per_sample, {"function": thing(limit_state)}),
+        "evidence.Axis": Call(
+            evidence.Axis, {"name": text(), "unit": text(), "scale": choice("log")}
+        ),
+        "evidence.CaseRecord": Call(evidence.CaseRecord, case),
+        "evidence.Column": Call(evidence.Column, {"name": text(), "unit": text()}),
+        "evidence.Figure": Call(
+            evidence.Figure,
+            {
+                "name": text(),
+                "title": text(),
+                "x": thing(axis),
+                "y": thing(axis),
+                "series": thing((series,)).also("empty list"),
+                "x_marks": thing((("a", 1.0),)).also("empty list"),
+                "y_marks": thing(()).also("empty list"),
+            },
+        ),
+        "evidence.Finding": Call(evidence.Finding, finding_kinds),
+        "evidence.Measurement": Call(
+            evidence.Measurement,
+            {
+                "findings": thing((finding,)).also("empty list"),
+                "tables": thing((table,)).also("empty list"),
+                "figures": thing((figure,)).also("empty list"),
+            },
+        ),
+        "evidence.Measurement.of": Call(
+            evidence.Measurement.of,
+            {
+                "findings": thing((finding,)).also("empty list"),
+                "tables": thing((table,)).also("empty list"),
+                "figures": thing((figure,)).also("empty list"),
+            },
+        ),
+        "evidence.PlantedFault": Call(
+            evidence.PlantedFault,
+            {
+                "name": text(),
+                "what": text(),
+                "verdict": optional(choice("holds")),
+                "turns_to": choice("holds"),
+            },
+        ),
+        "evidence.Series": Call(
+            evidence.Series,
+            {
+                "label": text(),
+                "x": numbers([1.0]).also("empty list"),
+                "y": numbers([2.0]).also("list of None", "empty list"),
+                "low": numbers([1.0]).also("list of None", "empty list"),
+                "high": numbers([3.0]).also("list of None", "empty list"),
+                "style": choice("points"),
+                "method": text(),
+                "reference": flag(),
+            },
+        ),
+        "evidence.StoredResult": Call(
+            evidence.StoredResult,
+            {
+                "date": text(),
+                "current": flag(),
+                "changed": thing(("a",)).also("empty list"),
+                "findings": thing((finding,)).also("empty list"),
+                "seconds": number().also("zero"),
+                "machine": text(),
+            },
+        ),
+        "evidence.Table": Call(
+            evidence.Table,
+            {
+                "name": text(),
+                "title": text(),
+                "columns": thing((column,)),
+                "rows": thing(((1.0,),)).also("empty list", "nested list", "list of None"),
+            },
+        ),
+        "evidence.Table.of": Call(
+            evidence.Table.of, {"name": text(), "title": text(), "rows": thing([{"a": 1.0}])}
+        ),
+        "evidence.read_case_record": Call(
+            evidence.read_case_record,
+            {"path": Kind(str(case_path), case_path, frozenset({"text"}))},
+        ),
+        "evidence.read_case_records": Call(
+            evidence.read_case_records, {"folder": Kind(str(cases), cases, frozenset({"text"}))}
+        ),
+        "evidence.verdict_of": Call(
+            evidence.verdict_of, {"findings": thing([finding]).also("empty list")}
+        ),
+        "evidence.write_case_record": Call(
+            evidence.write_case_record,
+            {
+                "record": thing(case_record),
+                "folder": Kind(str(cases), cases, frozenset({"text"})),
+                "stem": text("some").also("text"),
+            },
+        ),
+        "inputs.JointInputs.in_order": Call(
+            joint.in_order, {"order": numbers([1, 0]).also("empty list")}
+        ),
+        "inputs.JointInputs.log_density": Call(joint.log_density, {"x": numbers(X)}),
+        "inputs.JointInputs.from_standard_normal": Call(
+            joint.from_standard_normal, {"u": numbers(X)}
+        ),
+        "inputs.JointInputs.to_standard_normal": Call(joint.to_standard_normal, {"x": numbers(X)}),
+        "inputs.JointInputs.with_moments": Call(
+            joint.with_moments, {"means": moments, "standard_deviations": moments}
+        ),
+        "inputs.JointInputs.sample": Call(
+            lambda rng, size: joint.sample(rng, size) is None,
+            {"rng": thing(np.random.default_rng(1)), "size": count().also("zero")},
+        ),
+        "inputs.JointInputs.gauss_rule": Call(
+            joint.gauss_rule, {"column": count(1).also("zero"), "n": count()}
+        ),
+        "inputs.joint_inputs": Call(
+            inputs.joint_inputs,
+            {
+                "inputs": thing({"a": normal, "b": normal}),
+                "shared": thing(["a"]).also("empty list"),
+                "names": optional(thing(["a", "b"])),
+            },
+        ),
+        "inputs.normal": Call(inputs.normal, {"mean": any_number(), "std": number()}),
+        "inputs.product_inputs": Call(
+            inputs.product_inputs,
+            {
+                "shared": optional(thing([normal])),
+                "individual": optional(thing([normal])),
+                "names": optional(thing(["a", "b"])),
+            },
+        ),
+        "mechanism.WingParameters": Call(
+            mechanism.WingParameters,
+            {"k_d": any_number(550.0), "contact_law": choice("gonthier"), "t_max": number(0.5)},
+        ),
+        "mechanism.WingParameters.replace": Call(wing.replace, {"C_e": Kind(0.5, np.float64(0.5))}),
+        "mechanism.baumgarte_trajectory": Call(
+            mechanism.baumgarte_trajectory,
+            {
+                "parameters": thing(wing),
+                "alpha": number().also("zero"),
+                "beta": number().also("zero"),
+                "tolerance": Kind(1e-6, np.float64(1e-6)),
+            },
+        ),
+        "mechanism.deployment_times": Call(
+            mechanism.deployment_times,
+            {
+                "parameters": thing(wing),
+                "tolerance": Kind(1e-6, np.float64(1e-6)),
+                "threads": optional(count(1)),
+                "V_q": numbers([140.0]).also(
+                    "none",
+                    "nan",
+                    "infinity",
+                    "minus infinity",
+                    "minus one",
+                    "zero",
+                    "fraction",
+                    "empty list",
+                ),
+            },
+        ),
+        "mechanism.ideal_deployment_times": Call(
+            mechanism.ideal_deployment_times,
+            {"parameters": thing(wing), "tolerance": Kind(1e-6, np.float64(1e-6))},
+        ),
+        "mechanism.motion_table": Call(
+            mechanism.motion_table,
+            {"parameters": thing(wing), "tolerance": Kind(1e-6, np.float64(1e-6))},
+        ),
+        "mechanism.trajectory": Call(
+            mechanism.trajectory,
+            {"parameters": thing(wing), "tolerance": Kind(1e-6, np.float64(1e-6))},
+        ),
+        "methods.ActiveKriging": Call(
+            methods.ActiveKriging,
+            {
+                "runs": count(),
+                "initial": optional(count()),
+                "batch": count(),
+                "explore": count(1).also("zero"),
+                "learning": choice("variance"),
+                "kernel": choice("best"),
+                "noise": optional(number().also("zero")),
+                "tolerance": Kind(0.01, np.float64(0.01)),
+                "controls": count(),
+            },
+        ),
+        "methods.AskTellSession": Call(
+            methods.AskTellSession, {"method": thing(methods.Kriging(runs=6)), **of, **run}
+        ),
+        "methods.AskTellSession.tell": Call(
+            lambda x, y: methods.Kriging(runs=6).start(problem, criterion, rng=1).tell(x, y),
+            {"x": thing(session.ask()), "y": thing(np.zeros(6))},
+        ),
+        "methods.AskTellSession.save": Call(
+            session.save, {"path": Kind(str(saved), saved, frozenset({"text"}))}
+        ),
+        "methods.ConditionalMonteCarlo": Call(
+            methods.ConditionalMonteCarlo,
+            {"blocks": optional(count()), "missions_per_draw": count()},
+        ),
+        "methods.Estimate": Call(methods.Estimate, estimate),
+        "methods.FFNIPearson": Call(
+            methods.FFNIPearson,
+            {
+                "nodes_shared": nodes,
+                "nodes_individual": nodes,
+                "family": choice("normal"),
+                "rows": optional(count()),
+            },
+        ),
+        "methods.FFNISaddlepoint": Call(
+            methods.FFNISaddlepoint, {"nodes_shared": nodes, "nodes_individual": nodes}
+        ),
+        "methods.Kriging": Call(
+            methods.Kriging,
+            {
+                "runs": count(),
+                "trend": choice("best"),
+                "kernel": choice("best"),
+                "noise": optional(number().also("zero")),
+                "spread": number(1.5),
+            },
+        ),
+        "methods.MonteCarlo": Call(
+            methods.MonteCarlo, {"systems": optional(count()), "target_cov": optional(number())}
+        ),
+        "methods.OpenTURNSFORM": Call(
+            methods.OpenTURNSFORM,
+            {
+                "algorithms": thing(("SQP",)),
+                "step": Kind(0.5, np.float64(0.5)),
+                "tolerance": Kind(0.01, np.float64(0.01)),
+                "max_iterations": count(),
+            },
+        ),
+        "methods.OpenTURNSMonteCarlo": Call(
+            methods.OpenTURNSMonteCarlo,
+            {"target_cov": number(), "block_size": count(), "max_samples": count()},
+        ),
+        "methods.PolynomialChaos": Call(
+            methods.PolynomialChaos,
+            {
+                "runs": count(),
+                "sparse": flag(),
+                "max_degree": count(),
+                "design": choice("ffni"),
+                "nodes_shared": nodes,
+                "nodes_individual": nodes,
+                "spread": number(1.5),
+            },
+        ),
+        "methods.SequentialMethod.start": Call(methods.Kriging(runs=6).start, {**of, **run}),
+        "methods.SequentialMethod.resume": Call(
+            methods.Kriging(runs=6).resume,
+            {
+                "path": Kind(str(saved), saved, frozenset({"text"})),
+                "problem": at,
+                "criteria": thing(criterion).except_for("none"),
+                "max_evals": optional(thing(None)),
+                "rng": optional(count(1)).except_for("zero"),
+                "evaluator": run["evaluator"],
+            },
+        ),
+        "methods.Solution": Call(
+            methods.Solution,
+            {
+                "estimates": thing([methods.Estimate(0.1)]).also("empty list"),
+                "details": anything(None),
+            },
+        ),
+        "methods.available": Call(methods.available, {}),
+        "methods.build": Call(methods.build, {"name": choice("mc")}),
+        "problems.Reference": Call(
+            problems.Reference,
+            {
+                "criterion": thing(criterion),
+                "pf": Kind(0.1, np.float64(0.1), frozenset({"zero"})),
+                "std_error": number().also("zero"),
+            },
+        ),
+        "problems.ReferenceTable": Call(
+            problems.ReferenceTable,
+            {
+                "problem": text(),
+                "kind": text(),
+                "how": text(),
+                "command": text(),
+                "entries": thing({criterion: reference}),
+            },
+        ),
+        "problems.ReferenceTable.lookup": Call(references.lookup, {"criterion": thing(criterion)}),
+        "problems.folding_wing": Call(
+            problems.folding_wing,
+            {
+                "parameters": optional(thing(wing)),
+                "means": wing_moments,
+                "standard_deviations": wing_moments,
+            },
+        ),
+        "problems.folding_wing_random_lengths": Call(
+            problems.folding_wing_random_lengths,
+            {
+                "parameters": optional(thing(wing)),
+                "means": wing_moments,
+                "standard_deviations": wing_moments,
+            },
+        ),
+        "problems.four_bar": Call(problems.four_bar, {"branch": choice("crossed")}),
+        "problems.four_branch": Call(problems.four_branch, {"k": number(6.0)}),
+        "problems.series": Call(problems.series, {}),
+        "report.ComparisonTable": Call(report.ComparisonTable, {"records": thing(records)}),
+        "report.error_against_evaluations": Call(
+            report.error_against_evaluations, {"records": thing(records)}
+        ),
+        "report.reliability_curves": Call(report.reliability_curves, {"records": thing(records)}),
+        "report.report_page": Call(
+            report.report_page, {"source": Kind(str(folder), folder, frozenset({"text"}))}
+        ),
+        "report.write_figures": Call(
+            report.write_figures, {"records": thing(records), "folder": file}
+        ),
+        "report.write_report": Call(
+            report.write_report,
+            {
+                "source": thing(records).also("text"),
+                "path": Kind(str(folder / "r.html"), folder / "r.html", frozenset({"text"})),
+                "format": choice("html").except_for("none"),
+            },
+        ),
+        "testing.LinearNormalSystem": Call(
+            testing.LinearNormalSystem,
+            {
+                "units": count(),
+                "mean": any_number(),
+                "shared_std": number().also("zero"),
+                "individual_std": number(),
+            },
+        ),
+        "testing.LinearNormalSystem.pf": Call(
+            testing.LinearNormalSystem().pf, {"criterion": thing(criterion)}
+        ),
+        "testing.check_method": Call(
+            testing.check_method,
+            {
+                "method": thing(cheap),
+                "only": thing([]).also("empty list").except_for("none"),
+                "except_for": thing([]).also("empty list"),
+                "tolerance": Kind(0.03, np.float64(0.03)),
+                "max_evals": count(),
+            },
+        ),
+    }
