@@ -53,6 +53,20 @@ def test_tau_zero_always_holds_where_only_shared_inputs_count() -> None:
         assert zero.pf == plain.pf == pytest.approx(0.158655, rel=1e-3)
 
 
+def test_tau_below_the_error_of_the_surface_is_doubted() -> None:
+    """Units that respond to the shared input alone are equal; a fit sees differences in them."""
+
+    def model(x: FloatArray) -> FloatArray:
+        return np.exp(0.8 * x[:, 0]) + 0.0 * x[:, 1]
+
+    problem = Problem(model, shared=normal(0.0, 1.0), individual=normal(0.0, 1.0), units=3)
+    asked = criteria(2.0, tau=[0.0, 1e-9, 1.0])
+    method = Kriging(runs=12, trend="linear", kernel="gaussian")
+    for row in method.estimate(problem, asked, rng=1):
+        assert ("below what the surface can tell" in row.message) == (row.tau < 1.0)
+        assert row.tau == 1.0 or row.status == "doubtful"
+
+
 @pytest.mark.parametrize("method", SMALL, ids=named)
 def test_the_number_of_criteria_and_units_costs_next_to_nothing(
     method: ReliabilityMethod, monkeypatch: pytest.MonkeyPatch

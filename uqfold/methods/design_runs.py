@@ -14,7 +14,11 @@ from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.lines import ALWAYS, FINITE, MISSING, NEVER
+from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray, IntArray
+
+_BLOCK = 8192
+"""Points whose nearest run is sought between two looks at the clock."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +83,11 @@ class DesignRuns:
             [FINITE, NEVER, ALWAYS],
             default=MISSING,
         )
-        return np.asarray(kinds[cKDTree(self.u).query(u)[1]])
+        tree, nearest = cKDTree(self.u), np.empty(u.shape[0], dtype=np.int64)
+        for start in range(0, u.shape[0], _BLOCK):
+            check_time()
+            nearest[start : start + _BLOCK] = tree.query(u[start : start + _BLOCK])[1]
+        return np.asarray(kinds[nearest])
 
 
 def affordable_runs(task: Task, asked: int, least: int) -> int:

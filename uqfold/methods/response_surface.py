@@ -19,9 +19,12 @@ from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import Estimate
+from uqfold.moments.normal import NormalDistribution
+from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.system.conditional import SystemProbability
+from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray
@@ -35,6 +38,8 @@ _INTEGRATION_ERROR = 1e-4
 """Error of the integration over the surface, in the reliability index."""
 _POOR_PREDICTION = 0.1
 _WIDE = 0.3
+# Scatter of units, in errors of the surface, from which it is no artefact of the fit.
+_CLEAR = 10.0
 
 
 class ResponseSurface(Protocol):
@@ -151,6 +156,11 @@ def _answered(
         )
 
     responses = system.responses(surface.mean, outcomes, noise)
+    # units differ by what the surface makes of their own inputs: is that more than its error?
+    blur = validated.rms
+    if system.together or _scatter(responses, system.rule.weights) > _CLEAR * blur:
+        blur = 0.0
+    unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
     own_spread = beta_std
     if own_spread is None:
         paths = surface.sample_paths(rng, _DRAWS)
@@ -174,13 +184,20 @@ def _answered(
         criteria = [task.criteria[row] for row in rows]
         found = system.failures_given(responses, criteria)
         spread = spread_of(criteria) if own_spread is None else own_spread[list(rows)]
-        return _estimates(found, spread, doubts, runs)
+        own = [
+            [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
+            for criterion in criteria
+        ]
+        return _estimates(found, spread, own, runs)
 
     return estimates_by_blocks(len(task.criteria), answers)
 
 
 def _estimates(
-    found: Sequence[SystemProbability], spread: FloatArray, doubts: list[str], runs: DesignRuns
+    found: Sequence[SystemProbability],
+    spread: FloatArray,
+    doubts: list[list[str]],
+    runs: DesignRuns,
 ) -> list[Estimate]:
     from scipy.special import ndtr
 
@@ -190,7 +207,8 @@ def _estimates(
     low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
     numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
     return [
-        _estimate(one, *errors, doubts, runs) for one, errors in zip(found, numbers, strict=True)
+        _estimate(one, *errors, own, runs)
+        for one, errors, own in zip(found, numbers, doubts, strict=True)
     ]
 
 
@@ -226,6 +244,18 @@ def _estimate(
         status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
         message="; ".join([*doubts, *(note if exhausted else [])]),
     )
+
+
+def _scatter(responses: Sequence[ConditionalResponse], weights: FloatArray) -> float:
+    """Typical standard deviation of one unit's response given the shared inputs."""
+    scatter = []
+    for response in responses:
+        inside = response.distribution
+        if isinstance(inside, TabulatedDistribution):
+            scatter.append(float(np.ptp(inside.levels) / np.ptp(inside.scores)))
+        else:
+            scatter.append(inside.std if isinstance(inside, NormalDistribution) else 0.0)
+    return float(weights @ np.array(scatter) / weights.sum())
 
 
 def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSystem) -> list[str]:

@@ -31,6 +31,8 @@ _PATIENCE = 2
 _DEPENDENT = 1e-8
 # A relative root-mean-square error at which there is nothing left to explain.
 _EXACT = 1e-13
+# Operations of one factorisation or path, seconds that no limit on time can interrupt.
+_MOST_OPERATIONS = 40_000_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,7 @@ def select_basis(
             candidates = candidates[(candidates <= max_orders).all(axis=1)]
         size = candidates.shape[0]
         contenders = []
-        if size * _POINTS_PER_TERM <= n:
+        if size * _POINTS_PER_TERM <= n and n * size**2 <= _MOST_OPERATIONS:
             contenders.append(_Fits(u, y, candidates).prefix(size))
         elif not sparse:
             break
@@ -181,6 +183,7 @@ def _least_angle_path(u: FloatArray, y: FloatArray, candidates: IntArray) -> Int
         # a column that depends on earlier ones is dropped, which the path says in a warning
         warnings.simplefilter("ignore")
         most = min(usable.size, int(y.size / _POINTS_PER_TERM))
+        most = min(most, max(1, _MOST_OPERATIONS // (4 * basis.size)))
         centred = centred / np.linalg.norm(centred)
         _, active, _ = lars_path(basis, centred, method="lar", max_iter=most)
     order = usable[np.asarray(active, dtype=int)] + 1
