@@ -133,6 +133,8 @@ def test_records_full_of_markup_give_a_report_full_of_text(
     _, path = write_records(records, tmp_path)
     document = json.loads(path.read_text(encoding="utf-8"))
     columns = document["columns"]
+    # whoever makes up a record can leave its digest out
+    del document["sha256"]
     document = spoiled(document)
     document["columns"] = columns
     for entry in [*document["methods"], *document["rows"]]:
