@@ -56,10 +56,13 @@ def test_a_caller_that_is_ended_leaves_no_process(
         text=True,
         cwd=ROOT,
     )
-    assert waited(lambda: len(os.listdir(tmp_path)) >= FAMILIES * MEMBERS), program.poll()
-    assert len(orphans.tagged(tag)) >= FAMILIES * MEMBERS
-    program.send_signal(number)
-    _, err = program.communicate(timeout=PATIENCE_SECONDS)
+    try:
+        assert waited(lambda: len(os.listdir(tmp_path)) >= FAMILIES * MEMBERS), program.poll()
+        assert len(orphans.tagged(tag)) >= FAMILIES * MEMBERS
+        program.send_signal(number)
+        _, err = program.communicate(timeout=PATIENCE_SECONDS)
+    finally:
+        program.kill()
     if number == signal.SIGINT:
         assert err.rstrip().endswith("KeyboardInterrupt")
         # the caller has waited for them
