@@ -193,11 +193,16 @@ def test_sampling_follows_the_distribution() -> None:
         assert stats.kstest(draws.ravel() + 0.1 * d.std, d.cdf).pvalue < 1e-4
 
 
-def test_nearly_normal_type_four_is_fast() -> None:
+def test_nearly_normal_type_four_is_as_fast_as_others() -> None:
+    # not by the clock of one machine
     y = np.linspace(-5, 5, 100)
-    seconds = []
-    for _ in range(15):
-        start = time.perf_counter()
-        PearsonDistribution(0, 1, 0.05, 3.02).cdf(y)
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 4e-3
+
+    def seconds(skewness: float, kurtosis: float) -> float:
+        found = []
+        for _ in range(15):
+            start = time.process_time()
+            PearsonDistribution(0, 1, skewness, kurtosis).cdf(y)
+            found.append(time.process_time() - start)
+        return min(found)
+
+    assert seconds(0.05, 3.02) < 10.0 * seconds(0.5, 4.5)
