@@ -275,3 +275,19 @@ def test_sampling_answers_with_the_rows_drawn_in_time(monkeypatch: pytest.Monkey
     assert "of 1000000 rows" in row.message
     assert "max_seconds" in row.message
     assert abs(row.pf - system.pf(Criterion(11.0))) < 5 * row.std_error
+
+
+@pytest.mark.parametrize("rows", [None, 50])
+def test_tau_zero_holds_where_units_respond_to_shared_inputs_alone(rows: int | None) -> None:
+    """tau = 0 answers 1 for continuous responses, but these units are always equal."""
+    problem = Problem(
+        lambda x: np.exp(x[:, 0] / 3.0) + 0.1,
+        shared=normal(0.0, 1.0),
+        individual=[normal(0.0, 1.0), normal(1.0, 2.0)],
+        units=3,
+    )
+    method = FFNIPearson(rows=rows)
+    plain, zero = method.estimate(problem, criteria(1.5, tau=[None, 0.0]), rng=1)
+    assert zero.pf == plain.pf == pytest.approx(1 / 6)
+    scattering = LinearNormalSystem().problem()
+    assert method.estimate(scattering, criteria(1.5, tau=0.0), rng=1)[0].pf == 1.0
