@@ -236,7 +236,7 @@ def test_an_interrupted_write_leaves_the_former_file(
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tables.os, "replace", stopped)
+    monkeypatch.setattr("uqfold.writing.os.replace", stopped)
     with pytest.raises(KeyboardInterrupt):
         tables.write(path, "new")
     assert path.read_text() == "former"
