@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from uqfold.analysis.designed_input import design_input
     from uqfold.analysis.designed_threshold import design_threshold, design_thresholds
     from uqfold.analysis.fitted_surface import NoSurfaceError
+    from uqfold.analysis.paired import PairedDifference, PairedDifferences, paired_differences
     from uqfold.analysis.pf_derivatives import InputParameter, PfDerivative, PfDerivatives
     from uqfold.analysis.sobol import SobolIndex, SobolIndices, chaos_sobol, pick_freeze
     from uqfold.analysis.verification import Verification, verify, verify_all
@@ -20,6 +21,8 @@ __all__ = [
     "Design",
     "InputParameter",
     "NoSurfaceError",
+    "PairedDifference",
+    "PairedDifferences",
     "PfDerivative",
     "PfDerivatives",
     "Scan",
@@ -31,6 +34,7 @@ __all__ = [
     "design_input",
     "design_threshold",
     "design_thresholds",
+    "paired_differences",
     "pick_freeze",
     "score_derivatives",
     "surface_derivatives",
@@ -52,6 +56,9 @@ __getattr__, __dir__ = lazy_exports(
         "design_thresholds": "uqfold.analysis.designed_threshold",
         "InputParameter": "uqfold.analysis.pf_derivatives",
         "NoSurfaceError": "uqfold.analysis.fitted_surface",
+        "PairedDifference": "uqfold.analysis.paired",
+        "PairedDifferences": "uqfold.analysis.paired",
+        "paired_differences": "uqfold.analysis.paired",
         "PfDerivative": "uqfold.analysis.pf_derivatives",
         "PfDerivatives": "uqfold.analysis.pf_derivatives",
         "SobolIndex": "uqfold.analysis.sobol",

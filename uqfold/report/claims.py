@@ -20,8 +20,10 @@ def claims_page(judged: Sequence[JudgedClaim]) -> str:
         The claims, in the order of the page.
     """
     counts = Counter(one.verdict for one in judged)
+    identities = sum(one.identity for one in judged)
+    apart = f" ({identities} by identities alone, which are no evidence)" if identities else ""
     summary = (
-        f"{counts['holds']} hold, {counts['does not hold']} do not hold, "
+        f"{counts['holds']} hold{apart}, {counts['does not hold']} do not hold, "
         f"{counts['cannot be judged']} cannot be judged"
     )
     blocks = [
@@ -36,7 +38,7 @@ def claims_page(judged: Sequence[JudgedClaim]) -> str:
                 "| --- | --- | --- |",
                 *(
                     f"| [{one.claim.statement}](#{_anchor(one.claim.key)}) | {one.claim.source} | "
-                    f"**{one.verdict}** |"
+                    f"**{one.verdict_words}** |"
                     for one in judged
                 ),
             ]
@@ -51,7 +53,7 @@ def _section(one: JudgedClaim) -> str:
     lines = [
         f"## {claim.key}",
         f"{claim.statement} ({claim.source})",
-        f"Rule: {claim.rule}. Verdict: **{one.verdict}**.",
+        f"Rule: {claim.rule}. Verdict: **{one.verdict_words}**.",
         "\n".join(f"- {_escaped(finding)}" for finding in one.findings),
     ]
     return "\n\n".join(lines)

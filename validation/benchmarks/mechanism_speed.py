@@ -38,8 +38,8 @@ LARGEST_MEDIAN = 2e-5
 LARGEST_RMS = 5e-5
 DRAWS = 200
 SEED = 4711
-ALL_DEPLOYMENTS = 8_000_000
-"""The paper's 2e6 systems of four wings."""
+ALL_DEPLOYMENTS = 2_000_000
+"""Sample size of the paper's Monte Carlo, read as model runs (deployments)."""
 
 FIRST_CALL = """
 import time; start = time.perf_counter(), time.process_time()

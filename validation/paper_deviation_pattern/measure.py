@@ -4,7 +4,7 @@ from uqfold.evidence import Measurement
 from uqfold.evidence.work import Work
 from validation.paper.claims import measure_claims
 
-CLAIMS = ("deviations, pattern",)
+CLAIMS = ("deviations, visible",)
 
 
 def measure(work: Work) -> Measurement:

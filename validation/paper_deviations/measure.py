@@ -6,6 +6,7 @@ from validation.paper.claims import measure_claims
 
 CLAIMS = (
     "deviations",
+    "deviations, pattern",
     "deviation of C_r",
     "deviation of C_r, end",
     "deviations, tau",

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from uqfold.report.studies.conditions import CONDITIONS
+from uqfold.report.studies.conditions import COLORS, CONDITIONS
 from uqfold.report.studies.selection import SelectionError
 
 T = np.array([0.5, 0.55, 0.6])
@@ -41,13 +41,14 @@ TABLES = {
 }
 
 
-def draw(**changes: Any) -> Any:
+def draw(tables: dict[str, pd.DataFrame] | None = None, **changes: Any) -> Any:
     settings = {
         "table": ("curves", "marks"), "problems": ("one", "two"), "names": ("first", "second"),
         "where": {}, "curves": "missions", "check": "simulation",
         "parts": ("reliability", "pf", "difference"), "smallest_pf": 1e-6,
+        "paired": None,
     }  # fmt: skip
-    return CONDITIONS.call({**settings, **changes}, TABLES)
+    return CONDITIONS.call({**settings, **changes}, {**TABLES, **(tables or {})})
 
 
 def curves(axes: Any) -> list[np.ndarray]:
@@ -100,3 +101,48 @@ def test_legend_is_no_wider_than_the_figure(length: int) -> None:
     rows = 5 if length == 32 else 3
     # the figure grows with the legend, the panels stay as they are
     assert figure.get_figheight() == pytest.approx(1.9 + 1.9 + 1.6 + 0.45 + 0.17 * rows + 0.1)
+
+
+def test_marks_have_the_colour_of_their_condition() -> None:
+    body = draw().axes[0]
+    marks = [line for line in body.get_lines() if line.get_markerfacecolor() == "white"]
+    edges = [line.get_markeredgecolor() for line in marks]
+    assert edges == [COLORS[0]] * 2 + [COLORS[1]] * 2
+
+
+def test_legend_explains_arrows_where_they_are_drawn() -> None:
+    none = TABLES["marks"].assign(pf=0.0, ci_low=0.0)
+    texts = [text.get_text() for text in draw({"marks": none}).legends[0].get_texts()]
+    assert texts[-1] == "no failure: upper end"
+    body = draw({"marks": none}, parts=("reliability",)).legends[0].get_texts()
+    assert [text.get_text() for text in body] == texts[:-1]
+
+
+def test_axis_of_T_leaves_out_where_nothing_happens() -> None:
+    """Curves that rise from 0.58 to 0.6 do not share their panel with half a range of zeros."""
+    T = np.round(np.arange(0.5, 0.7, 0.005), 4)
+    parts = []
+    for problem, shift in (("one", 0.0), ("two", 0.005)):
+        pf = 1.0 / (1.0 + np.exp((T - 0.59 - shift) / 0.001))
+        parts.append(
+            TABLES["curves"]
+            .iloc[[0] * T.size]
+            .assign(problem=problem, threshold=T, pf=pf, reliability=1.0 - pf)
+        )
+    figure = draw({"curves": pd.concat(parts)}, table=("curves",))
+    low, high = figure.axes[0].get_xlim()
+    assert (low, high) == pytest.approx((0.58, 0.61), abs=0.0051)
+
+
+def test_paired_runs_take_the_place_of_the_curves_difference() -> None:
+    paired = pd.DataFrame(
+        {"problem": "one", "other": "two", "threshold": list(T) * 2,
+         "missions": ["2"] * 3 + ["5"] * 3, "difference": np.arange(6.0), "std_error": 0.5}
+    )  # fmt: skip
+    gap = draw({"pairs": paired}, paired="pairs").axes[2]
+    np.testing.assert_allclose(curves(gap), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
+    band = gap.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == (-1.0, 3.0)
+    assert not [line for line in gap.get_lines() if len(line.get_xdata()) == 1]
+    with pytest.raises(SelectionError, match="paired = 'other'"):
+        draw(paired="other")

@@ -14,9 +14,9 @@ from uqfold.comparison.claims import (
     random_lengths,
     synchronization,
 )
-from uqfold.comparison.claims.claim import JudgedClaim, PaperClaim, StudyResults, judged
+from uqfold.comparison.claims.claim import IDENTITY, JudgedClaim, PaperClaim, StudyResults, judged
 
-__all__ = ["CLAIMS", "JudgedClaim", "PaperClaim", "StudyResults", "judged"]
+__all__ = ["CLAIMS", "IDENTITY", "JudgedClaim", "PaperClaim", "StudyResults", "judged"]
 
 CLAIMS: dict[str, PaperClaim] = {
     claim.key: claim
@@ -41,9 +41,11 @@ CLAIMS: dict[str, PaperClaim] = {
         deviations.CLEARANCE_COINCIDES,
         deviations.CLEARANCE_AT_THE_END,
         deviations.DEVIATIONS_TAU,
+        deviations.DEVIATIONS_VISIBLE,
         deviations.CLEARANCE_TAU,
         random_lengths.CLOSING,
         random_lengths.WINDOW,
+        random_lengths.ONSET,
     )
 }
 """Every claim by its key, in the order of the paper."""

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 StudyResults: TypeAlias = "Mapping[str, Mapping[str, pd.DataFrame]]"
 """Study -> table -> rows."""
 
+IDENTITY = "an identity: every model keeps it, so it is no evidence"
+"""Remark of a finding that follows from the algebra alone; a breach shows an error of ours."""
+
 
 @dataclass(frozen=True)
 class PaperClaim:
@@ -54,6 +57,17 @@ class JudgedClaim:
     def verdict(self) -> Verdict:
         """Verdict that follows from the findings."""
         return verdict_of(self.findings)
+
+    @property
+    def identity(self) -> bool:
+        """Whether the claim holds by identities alone."""
+        judged = [one for one in self.findings if one.verdict is not None]
+        return self.verdict == "holds" and all(one.remark.startswith(IDENTITY) for one in judged)
+
+    @property
+    def verdict_words(self) -> str:
+        """The verdict, and whether it is an identity."""
+        return f"{self.verdict} (an identity)" if self.identity else self.verdict
 
 
 def judged(claim: PaperClaim, results: StudyResults) -> JudgedClaim:

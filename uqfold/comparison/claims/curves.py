@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.comparison.claims.claim import IDENTITY
 from uqfold.comparison.findings import Finding
 from uqfold.typing import FloatArray
 
@@ -56,13 +57,15 @@ def rises(frame: pd.DataFrame, column: str) -> FloatArray:
 
 
 def never_rises(what: str, frame: pd.DataFrame, column: str) -> Finding:
-    """Find the largest rise of reliability along a column; it must not rise."""
-    return Finding(f"largest rise of R {what}", float(rises(frame, column).max()), ROUNDING)
+    """Find the largest rise of reliability along a column, where no model can rise."""
+    rise = float(rises(frame, column).max())
+    return Finding(f"largest rise of R {what}", rise, ROUNDING, remark=IDENTITY)
 
 
 def never_falls(what: str, frame: pd.DataFrame, column: str) -> Finding:
-    """Find the largest fall of reliability along a column; it must not fall."""
-    return Finding(f"largest fall of R {what}", float(-rises(frame, column).min()), ROUNDING)
+    """Find the largest fall of reliability along a column, where no model can fall."""
+    fall = float(-rises(frame, column).min())
+    return Finding(f"largest fall of R {what}", fall, ROUNDING, remark=IDENTITY)
 
 
 def at_largest_threshold(frame: pd.DataFrame) -> pd.DataFrame:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Hashable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uqfold.comparison.claims.claim import PaperClaim, StudyResults
 from uqfold.comparison.claims.curves import NO_TAU, STANDARD_ERRORS, advantage, of_problem
-from uqfold.comparison.claims.scatter import beyond_scatter, scatter_of_gain
 from uqfold.comparison.findings import Finding
 
 if TYPE_CHECKING:
@@ -27,9 +27,15 @@ SETTLED = 0.05
 COINCIDE = 0.01
 """Difference of reliability below which two curves nearly coincide."""
 CLEAR = 0.01
-"""Relative difference from which one condition is called better."""
+"""Relative difference from which one condition is called better, however small R itself is: the
+yardstick of what the text says by the letter, for lag, trough, peak and changes of sign alike."""
 VISIBLE = 1e-3
-"""Depth of a trough, and height of a peak, that can be seen in a figure."""
+"""Difference of R from which a figure of differences shows it: the yardstick of our stricter
+reading, for trough and peak alike."""
+RIGHT = (0.57, 0.585, 0.6)
+"""Right boundary of T (s): the last mark that the text names, and on to the end of our range."""
+EARLY, LATE = 0.54, 0.6
+"""T (s) on the climb and on the plateau of curves with synchronization."""
 
 
 def overtaking_without_tau(results: StudyResults) -> list[Finding]:
@@ -46,16 +52,17 @@ def pattern_without_tau(results: StudyResults) -> list[Finding]:
         settled = max(abs(shape["last"]) / shape["peak"] for shape in shapes)
         findings += [
             Finding(
-                f"shallowest trough over m, {name}",
-                max(troughs),
-                -VISIBLE,
-                remark=f"deepest {min(troughs):.2g}",
+                f"relative depth of the trough, shallowest over m, {name}",
+                max(shape["lowest_relative"] for shape in shapes),
+                -CLEAR,
+                remark=f"in R {max(troughs):.2g} to {min(troughs):.2g}",
             ),
             Finding(
-                f"lowest peak over m, {name}",
-                min(shape["peak"] for shape in shapes),
-                VISIBLE,
+                f"relative height of the peak, lowest over m, {name}",
+                min(shape["highest_relative"] for shape in shapes),
+                CLEAR,
                 at_least=True,
+                remark=f"in R from {min(shape['peak'] for shape in shapes):.2g}",
             ),
             Finding(
                 f"smallest distance from trough to peak, {name}",
@@ -69,15 +76,40 @@ def pattern_without_tau(results: StudyResults) -> list[Finding]:
     return findings
 
 
+def visible_pattern(results: StudyResults) -> list[Finding]:
+    """Trough and peak are large enough for a figure to show, without and with synchronization."""
+    findings = []
+    for part, column, over in (("no-sync", "missions", "m"), ("sync", "tau", "tau")):
+        for name, (smaller, larger) in SMALLER.items():
+            shapes = _shapes(results["example-5"][f"{name}-{part}"], smaller, larger, column)
+            troughs = [shape["trough"] for shape in shapes]
+            findings += [
+                Finding(
+                    f"shallowest trough over {over}, {name}, {part}",
+                    max(troughs),
+                    -VISIBLE,
+                    remark=f"deepest {min(troughs):.2g}",
+                ),
+                Finding(
+                    f"lowest peak over {over}, {name}, {part}",
+                    min(shape["peak"] for shape in shapes),
+                    VISIBLE,
+                    at_least=True,
+                ),
+            ]
+    return findings
+
+
 def clearance_coincides(results: StudyResults) -> list[Finding]:
     """The curves of both standard deviations of C_r nearly coincide."""
-    gains = _gains(results["example-5"]["C_r-no-sync"], *CLEARANCE)
-    worst = gains.loc[gains["gain"].abs().idxmax()]
+    paired = _paired(results, "C_r-paired")
+    worst = paired.loc[paired["difference"].abs().idxmax()]
     return [
         Finding(
-            "largest difference of R",
-            float(gains["gain"].abs().max()),
+            "largest difference of R in paired runs",
+            float(abs(worst["difference"])),
             COINCIDE,
+            uncertainty=2.0 * float(worst["std_error"]),
             remark=f"at T = {worst['threshold']:g} s, m = {worst['missions']}",
         )
     ]
@@ -85,15 +117,12 @@ def clearance_coincides(results: StudyResults) -> list[Finding]:
 
 def clearance_at_the_end(results: StudyResults) -> list[Finding]:
     """Near the right boundary of T the smaller deviation of C_r is the more reliable one."""
-    gains = _gains(results["example-5"]["C_r-no-sync"], *CLEARANCE)
-    scatter = results["example-5"]["C_r-scatter"]
-    findings = []
-    for threshold in sorted(scatter["threshold"].unique())[-3:]:
-        noise = scatter_of_gain(scatter, *CLEARANCE, threshold)
-        own = gains[(gains["threshold"] == threshold) & gains["missions"].isin(_missions(scatter))]
-        what = f"smallest gain of R by the smaller deviation at T = {threshold:g} s"
-        findings.append(beyond_scatter(what, float(own["gain"].min()), noise))
-    return findings
+    paired = _paired(results, "C_r-paired")
+    return [
+        _paired_gain(row, f"m = {row['missions']}")
+        for threshold in RIGHT
+        for row in paired[paired["threshold"] == threshold].to_dict("records")
+    ]
 
 
 def overtaking_with_tau(results: StudyResults) -> list[Finding]:
@@ -102,20 +131,34 @@ def overtaking_with_tau(results: StudyResults) -> list[Finding]:
 
 
 def clearance_with_tau(results: StudyResults) -> list[Finding]:
-    """The same for the clearance, whose effect is near the scatter of the model."""
-    gains = _gains(results["example-5"]["C_r-sync"], *CLEARANCE)
-    scatter = results["example-5"]["C_r-sync-scatter"]
-    findings = []
-    for words, threshold, sign in (
-        ("lag", float(scatter["threshold"].min()), -1.0),
-        ("lead", float(scatter["threshold"].max()), 1.0),
-    ):
-        for tau in sorted(scatter["tau"].unique()):
-            noise = scatter_of_gain(scatter, *CLEARANCE, threshold, tau)
-            own = gains[(gains["threshold"] == threshold) & (gains["tau"] == tau)]
-            what = f"{words} of the smaller deviation at T = {threshold:g} s, tau = {tau:g} s"
-            findings.append(beyond_scatter(what, float((sign * own["gain"]).min()), noise))
-    return findings
+    """The same for the clearance, in paired runs."""
+    paired = _paired(results, "C_r-sync-paired")
+    return [
+        _paired_gain(row, f"tau = {row['tau']:g} s", sign)
+        for threshold, sign in ((EARLY, -1.0), (LATE, 1.0))
+        for row in paired[paired["threshold"] == threshold].to_dict("records")
+    ]
+
+
+def _paired(results: StudyResults, table: str) -> pd.DataFrame:
+    frame = results["example-5"][table]
+    first, second = CLEARANCE
+    own = frame[(frame["problem"] == first) & (frame["other"] == second)]
+    if own.empty:
+        raise ValueError(f"{table} does not compare {first} with {second}")
+    return own.round({"threshold": 9})
+
+
+def _paired_gain(row: Mapping[Hashable, Any], where: str, sign: float = 1.0) -> Finding:
+    """Find whether a difference of paired runs has the sign that the text gives it."""
+    words = "lead" if sign > 0.0 else "lag"
+    return Finding(
+        f"{words} of the smaller deviation at T = {row['threshold']:g} s, {where}",
+        sign * float(row["difference"]),
+        0.0,
+        at_least=True,
+        uncertainty=2.0 * float(row["std_error"]),
+    )
 
 
 def _overtaking(results: StudyResults, column: str, *, synchronized: bool) -> list[Finding]:
@@ -128,6 +171,7 @@ def _overtaking(results: StudyResults, column: str, *, synchronized: bool) -> li
                 f"lowest relative difference of R, largest over {over}, {name}",
                 max(shape["lowest_relative"] for shape in shapes),
                 -CLEAR,
+                remark=f"in R {max(shape['trough'] for shape in shapes):.2g} at least",
             ),
             Finding(
                 f"difference of R at the largest T, smallest over {over}, {name}",
@@ -160,6 +204,7 @@ def _shapes(frame: pd.DataFrame, smaller: str, larger: str, column: str) -> list
                 "peak_at": float(T[gain.argmax()]),
                 "crossings": float((np.diff(sign) != 0.0).sum()),
                 "lowest_relative": float(relative.min()),
+                "highest_relative": float(relative.max()),
                 "last": float(gain[-1]),
             }
         )
@@ -168,10 +213,6 @@ def _shapes(frame: pd.DataFrame, smaller: str, larger: str, column: str) -> list
 
 def _gains(frame: pd.DataFrame, smaller: str, larger: str) -> pd.DataFrame:
     return advantage(of_problem(frame, smaller), of_problem(frame, larger))
-
-
-def _missions(frame: pd.DataFrame) -> list[str]:
-    return [str(one) for one in frame["missions"].unique()]
 
 
 def _simulated(
@@ -203,8 +244,8 @@ DEVIATIONS = PaperClaim(
     "Without synchronization, the smaller standard deviation of V_q, delta, b or k_d starts with "
     "the lower reliability and overtakes as T rises.",
     "Section 4.5, Table 9, Figs. 17(a), (c), (e), (g)",
-    "for every m: R lower by more than 1 % (of itself) first, higher at the largest T, "
-    "one change of sign between; no clear simulated difference of the other sign",
+    f"by the letter, for every m: R lower by more than {CLEAR:.0%} of itself first, higher at the "
+    "largest T, one change of sign between; no clear simulated difference of the other sign",
     {"example-5": tuple(f"{name}-{part}" for name in _NAMES for part in ("no-sync", "check"))},
     overtaking_without_tau,
 )
@@ -213,8 +254,8 @@ DEVIATION_PATTERN = PaperClaim(
     "The difference of reliability over T always shows a trough, then a peak, and then settles, at "
     "every number of missions.",
     "Section 4.5, Figs. 17(a), (c), (e), (g)",
-    f"for every m: a trough deeper and a peak higher than {VISIBLE:g}, which a figure can show, in "
-    f"this order; at the largest T at most {SETTLED:.0%} of the peak",
+    f"by the letter, for every m: a trough and a peak of more than {CLEAR:.0%} of R (or of pf, "
+    f"where that is smaller), in this order; at the largest T at most {SETTLED:.0%} of the peak",
     {"example-5": tuple(f"{name}-no-sync" for name in _NAMES)},
     pattern_without_tau,
 )
@@ -222,17 +263,17 @@ CLEARANCE_COINCIDES = PaperClaim(
     "deviation of C_r",
     "Without synchronization, the curves of both standard deviations of C_r nearly coincide.",
     "Section 4.5, conditions 19 and 20, Fig. 17(i)",
-    f"R differs by at most {COINCIDE:g}",
-    {"example-5": ("C_r-no-sync",)},
+    f"R of runs with the same random numbers differs by at most {COINCIDE:g}",
+    {"example-5": ("C_r-paired",)},
     clearance_coincides,
 )
 CLEARANCE_AT_THE_END = PaperClaim(
     "deviation of C_r, end",
     "At the right boundary of T the smaller standard deviation of C_r is the more reliable one.",
     "Section 4.5, conditions 19 and 20, Fig. 17(i)",
-    "the gain of the smaller deviation exceeds twice the scatter of the model (same nodes, "
-    "clearances nudged by up to 1e-2) at the three largest T at which that is known",
-    {"example-5": ("C_r-no-sync", "C_r-scatter")},
+    "its lead in runs with the same random numbers is positive by more than two standard errors, "
+    f"for every m, at T = {', '.join(f'{T:g}' for T in RIGHT)} s",
+    {"example-5": ("C_r-paired",)},
     clearance_at_the_end,
 )
 DEVIATIONS_TAU = PaperClaim(
@@ -241,17 +282,27 @@ DEVIATIONS_TAU = PaperClaim(
     "delta, b or k_d starts lower and overtakes, for every tau, and stays higher at the right "
     "boundary of T.",
     "Section 4.5, Figs. 17(b), (d), (f), (h)",
-    "for every tau: R lower by more than 1 % (of itself) first, higher at the largest T, "
-    "one change of sign between; no clear simulated difference of the other sign",
+    f"by the letter, for every tau: R lower by more than {CLEAR:.0%} of itself first, higher at "
+    "the largest T, one change of sign between; no clear simulated difference of the other sign",
     {"example-5": tuple(f"{name}-{part}" for name in _NAMES for part in ("sync", "check"))},
     overtaking_with_tau,
+)
+DEVIATIONS_VISIBLE = PaperClaim(
+    "deviations, visible",
+    "Trough and peak of that difference can be seen, without and with synchronization (a stricter "
+    "reading, ours).",
+    "Section 4.5, Figs. 17(a) to 17(h)",
+    f"for every m and tau a trough deeper and a peak higher than {VISIBLE:g}, which a figure of "
+    "differences can show",
+    {"example-5": tuple(f"{name}-{part}" for name in _NAMES for part in ("no-sync", "sync"))},
+    visible_pattern,
 )
 CLEARANCE_TAU = PaperClaim(
     "deviation of C_r, tau",
     "The same is said of the standard deviation of C_r with synchronization.",
     "Section 4.5, conditions 19 and 20, Fig. 17(j)",
-    "lag and lead exceed twice the scatter of the model (same nodes, clearances nudged by up to "
-    "1e-2)",
-    {"example-5": ("C_r-sync", "C_r-sync-scatter")},
+    f"in runs with the same random numbers, for every tau, its lag at T = {EARLY:g} s and its lead "
+    f"at T = {LATE:g} s are positive by more than two standard errors",
+    {"example-5": ("C_r-sync-paired",)},
     clearance_with_tau,
 )

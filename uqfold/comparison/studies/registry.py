@@ -18,6 +18,7 @@ from uqfold.problems.base import Problem
 _STEPS: dict[str, str] = {
     "independence": "uqfold.comparison.studies.steps.independence:INDEPENDENCE",
     "lock-scan": "uqfold.comparison.studies.steps.lock_scan:LOCK_SCAN",
+    "paired": "uqfold.comparison.studies.steps.paired:PAIRED",
     "scatter": "uqfold.comparison.studies.steps.scatter:SCATTER",
     "trajectory": "uqfold.comparison.studies.steps.trajectory:TRAJECTORY",
     "derivatives": "uqfold.comparison.studies.steps.derivatives:DERIVATIVES",

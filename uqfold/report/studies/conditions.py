@@ -1,7 +1,8 @@
 """Two conditions over the threshold T: reliability, failure probability, and their difference.
 
 One colour per condition, one shade and marker per curve (missions, or tau). Estimates by simulation
-of the real model stand beside the curves as marks with their intervals.
+of the real model stand beside the curves as marks in the colour of their condition, with their
+intervals. The axis of T runs from where the first curve rises to where the last one has settled.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from uqfold.comparison.studies.keys import (
     choice,
     list_of,
 )
-from uqfold.report.studies.marks import draw_estimates, draw_marks, mark_handle
+from uqfold.report.studies.marks import draw_estimates, draw_marks, mark_handles
 from uqfold.report.studies.selection import (
     SelectionError,
     distinct,
@@ -50,6 +51,8 @@ HEIGHTS = {"reliability": 1.9, "pf": 1.9, "difference": 1.6}
 # no colour of a method: all curves of such a figure come from one
 COLORS = ("#117733", "#882255")
 NORMAL_95 = 1.959964
+SETTLED = 1e-3
+"""Share of reliability up to which a curve has not begun to rise; of pf, has settled."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class _Pair:
     styles: tuple[Mapping[Any, MethodStyle], Mapping[Any, MethodStyle]]
     column: str
     check: str | None
+    paired: pd.DataFrame | None = None
 
 
 @figure_settings()
@@ -76,7 +80,8 @@ def draw_conditions(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFra
     Raises
     ------
     SelectionError
-        If a problem has no row, or there are not exactly two problems and names.
+        If a problem has no row, there are not exactly two problems and names, or no table has the
+        name of the paired runs.
     """
     problems, names = settings["problems"], settings["names"]
     if len(problems) != 2 or len(names) != 2:
@@ -91,32 +96,44 @@ def draw_conditions(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFra
         )
         for color in COLORS
     ]
-    pair = _Pair((rows[0], rows[1]), (styles[0], styles[1]), settings["curves"], settings["check"])
+    paired = settings["paired"]
+    if paired is not None and paired not in tables:
+        raise SelectionError(f"paired = {paired!r}: the study has no analysis of that name")
+    pair = _Pair(
+        (rows[0], rows[1]),
+        (styles[0], styles[1]),
+        settings["curves"],
+        settings["check"],
+        None if paired is None else _own_pairs(tables[paired], problems, settings["where"]),
+    )
     response, unit = response_axis(tables, problems[0])
     parts = settings["parts"]
     figure, panels = stacked_panels(
-        [HEIGHTS[part] for part in parts], 1, _handles(pair, names, unit)
+        [HEIGHTS[part] for part in parts], 1, _handles(pair, names, unit, parts)
     )
     grid = panels[:, 0]
+    lowest = 0.0
     for part, axes in zip(parts, grid, strict=True):
-        if part == "difference":
+        if part == "difference" and pair.paired is not None:
+            _draw_pairs(axes, pair, pair.paired)
+        elif part == "difference":
             _draw_differences(axes, pair)
         else:
             _draw_curves(axes, pair, as_pf=part == "pf")
         if part == "pf":
             limit_pf(axes, lines["pf"], settings["smallest_pf"])
+            lowest = axes.get_ylim()[0]
         elif part == "reliability":
             axes.set_ylim(-0.03, 1.03)
         axes.set_ylabel(PARTS[part])
-    drawn = lines["threshold"]
-    grid[-1].set_xlim(drawn.min(), drawn.max())
+    grid[-1].set_xlim(*_range(lines, settings["curves"], lowest))
     grid[-1].set_xlabel(threshold_label(response, unit))
     figure.align_ylabels(grid)
     return figure
 
 
 def _draw_curves(axes: Axes, pair: _Pair, *, as_pf: bool) -> None:
-    for frame, styles in zip(pair.rows, pair.styles, strict=True):
+    for frame, styles, color in zip(pair.rows, pair.styles, COLORS, strict=True):
         for value, style in styles.items():
             own = having(frame, pair.column, value).sort_values("threshold")
             curve = own[own["label"] != pair.check]
@@ -128,7 +145,7 @@ def _draw_curves(axes: Axes, pair: _Pair, *, as_pf: bool) -> None:
                 markersize=2.6,
                 linewidth=0.9,
             )
-            draw_estimates(axes, own[own["label"] == pair.check], style, as_pf=as_pf)
+            draw_estimates(axes, own[own["label"] == pair.check], style, as_pf=as_pf, color=color)
 
 
 def _draw_differences(axes: Axes, pair: _Pair) -> None:
@@ -146,10 +163,9 @@ def _draw_differences(axes: Axes, pair: _Pair) -> None:
             )
             common = first.index.intersection(second.index)
             difference = (second["pf"][common] - first["pf"][common]).to_numpy()
-            look = MethodStyle("#444444", style.marker)
             if check:
                 error = np.hypot(first["std_error"][common], second["std_error"][common])
-                draw_marks(axes, common, difference, NORMAL_95 * error.to_numpy(), look)
+                draw_marks(axes, common, difference, NORMAL_95 * error.to_numpy(), style)
             else:
                 drawn += difference.tolist()
                 axes.plot(
@@ -162,7 +178,49 @@ def _draw_differences(axes: Axes, pair: _Pair) -> None:
     axes.set_ylim(low - margin, high + margin)
 
 
-def _handles(pair: _Pair, names: Sequence[str], unit: str) -> list[Any]:
+def _draw_pairs(axes: Axes, pair: _Pair, paired: pd.DataFrame) -> None:
+    """Draw the difference of paired runs with a band of two standard errors on either side."""
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    for value, style in pair.styles[0].items():
+        own = having(paired, pair.column, value).sort_values("threshold")
+        T, difference, error = (own[name] for name in ("threshold", "difference", "std_error"))
+        low, high = difference - 2.0 * error, difference + 2.0 * error
+        axes.fill_between(T, low, high, color=style.color, alpha=0.2, linewidth=0.0)
+        axes.plot(
+            T, difference, color=style.color, marker=style.marker, markersize=2.6, linewidth=0.9
+        )
+    axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2), useMathText=True)
+
+
+def _own_pairs(
+    frame: pd.DataFrame, problems: Sequence[str], where: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Give the paired runs of two problems, as the figure asks for them."""
+    kept = {column: values for column, values in where.items() if column in frame}
+    return selected(frame, {"problem": problems[0], "other": problems[1], **kept})
+
+
+def _range(lines: pd.DataFrame, column: str, lowest: float) -> tuple[float, float]:
+    """Give the range of T in which a curve still moves, or pf is still above the axis' end."""
+    frame = lines.sort_values("threshold")
+    T = np.unique(frame["threshold"])
+    first, last = [], []
+    for _, own in frame.groupby(["problem", column], dropna=False):
+        pf, at = own["pf"].to_numpy(), own["threshold"].to_numpy()
+        first.append(at[np.flatnonzero(own["reliability"] >= SETTLED)[:1]])
+        moving = (pf > (1.0 + SETTLED) * pf[-1]) & (pf >= lowest)
+        last.append(at[np.flatnonzero(moving)[-1:]])
+    begin, end = np.concatenate(first), np.concatenate(last)
+    if not begin.size or not end.size or begin.min() >= end.max():
+        return float(T[0]), float(T[-1])
+    # one step more on either side
+    low = max(np.searchsorted(T, begin.min()) - 1, 0)
+    high = min(np.searchsorted(T, end.max()) + 1, T.size - 1)
+    return float(T[low]), float(T[high])
+
+
+def _handles(pair: _Pair, names: Sequence[str], unit: str, parts: Sequence[str]) -> list[Any]:
+    import pandas as pd
     from matplotlib.lines import Line2D
 
     handles = [
@@ -174,9 +232,8 @@ def _handles(pair: _Pair, names: Sequence[str], unit: str) -> list[Any]:
                label=value_text(pair.column, value, unit))
         for value, style in pair.styles[0].items()
     ]  # fmt: skip
-    if any((frame["label"] == pair.check).any() for frame in pair.rows):
-        handles.append(mark_handle())
-    return handles
+    marks = pd.concat([frame[frame["label"] == pair.check] for frame in pair.rows])
+    return [*handles, *mark_handles(marks, as_pf="pf" in parts)]
 
 
 CONDITIONS = Kind(
@@ -190,6 +247,13 @@ CONDITIONS = Kind(
         Key("curves", COLUMN, "Column whose values are curves of their own."),
         Key("check", TEXT, "Method that is drawn as marks with its intervals.", None),
         Key("parts", list_of(choice(*PARTS)), "From top to bottom.", ("reliability", "pf")),
+        Key(
+            "paired",
+            TEXT,
+            "Analysis of the kind `paired` whose differences are drawn, with a band of two "
+            "standard errors, instead of those of the curves.",
+            None,
+        ),
         Key("smallest_pf", NUMBER, "Lower end of the axis of pf; without it, what is drawn.", None),
     ),
     draw_conditions,

@@ -25,8 +25,14 @@ from uqfold.comparison.studies.keys import (
     choice,
     list_of,
 )
-from uqfold.report.drawing import draw_method, draw_reference, method_curve, reference_curve
-from uqfold.report.studies.marks import draw_estimates, mark_handle
+from uqfold.report.drawing import (
+    SMALLEST_PF,
+    draw_method,
+    draw_reference,
+    method_curve,
+    reference_curve,
+)
+from uqfold.report.studies.marks import NONE_FAILED, arrow_handle, draw_estimates, mark_handles
 from uqfold.report.studies.selection import (
     distinct,
     having,
@@ -230,8 +236,13 @@ def _handles(
             )
         )
     curves = any(part != "error" for part in settings["parts"])
-    if curves and (frame["label"] == settings["check"]).any():
-        handles.append(mark_handle())
+    if curves:
+        marks = frame["label"] == settings["check"]
+        as_pf = "pf" in settings["parts"]
+        handles += mark_handles(frame[marks], as_pf=as_pf)
+        others = frame[~marks]
+        if as_pf and ((others["pf"] < SMALLEST_PF) & (others["ci_high"] > SMALLEST_PF)).any():
+            handles.append(arrow_handle(NONE_FAILED))
     if settings["reference"] and curves and frame["reference_pf"].notna().any():
         handles.append(Line2D([], [], **REFERENCE_LINE, label="reference"))
         if (frame["reference_std_error"] > 1e-6 * frame["reference_pf"]).any():

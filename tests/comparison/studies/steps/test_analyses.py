@@ -7,13 +7,20 @@ import pandas as pd
 import pytest
 
 from uqfold import Evaluator
-from uqfold.analysis import design_threshold, pick_freeze, score_derivatives, surface_derivatives
+from uqfold.analysis import (
+    design_threshold,
+    paired_differences,
+    pick_freeze,
+    score_derivatives,
+    surface_derivatives,
+)
 from uqfold.comparison.studies.keys import Kind
 from uqfold.comparison.studies.registry import StepContext, step_kinds
 from uqfold.methods import FFNIPearson, Kriging, MonteCarlo, PolynomialChaos
-from uqfold.problems import series
+from uqfold.problems import folding_wing, series
 from uqfold.problems.criterion import criteria
 
+STDS = {"small": 0.2, "large": 0.3}
 METHODS = {
     "kriging": Kriging(runs=30),
     "pce": PolynomialChaos(runs=30),
@@ -55,6 +62,23 @@ def test_sobol_indices_of_both_kinds() -> None:
     assert set(run("sobol", method="pce")["label"]) == {"pce"}
     with pytest.raises(TypeError, match="mc is mc; use pce"):
         run("sobol", method="mc")
+
+
+def test_paired_differences_of_two_problems() -> None:
+    pair = {name: folding_wing(standard_deviations={"b": std}) for name, std in STDS.items()}
+    context = StepContext(pair, {}, lambda name: Evaluator())
+    kind = step_kinds()["paired"]
+    settings = {
+        "problem": ("small", "large"), "draws": 4, "thresholds": (0.55,), "tau": (None,),
+        "missions": (2,), "seed": 1,
+    }  # fmt: skip
+    frame = kind.call(settings, context)
+    found = paired_differences(pair["small"], pair["large"], criteria(0.55, None, 2), 4, rng=1)
+    assert list(frame.columns) == list(kind.columns)
+    assert frame["difference"].tolist() == [row.difference for row in found.rows]
+    assert frame["n_evals"].tolist() == [4 * 52 + 4]
+    with pytest.raises(ValueError, match="give two problems"):
+        kind.call({**settings, "problem": ("small",)}, context)
 
 
 def test_designs_are_found_and_verified() -> None:
