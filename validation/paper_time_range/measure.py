@@ -1,8 +1,8 @@
 """The paper's range of T with random lengths, and which choices that it leaves open were tried.
 
-The wing of Table 10 locks in about two thirds of the time of that of Table 6, whereas the marks that
+The wing of Table 10 locks in about two thirds of the time of that of Table 6, but the marks that
 the text names for both have the ratio 0.82. The study scans initial angle and lock position with
-ideal joints; here the wings have their clearances, and contact law and tangential velocity vary too.
+ideal joints; here wings have their clearances, and contact law and tangential velocity vary too.
 Nothing else was tried: not the drive's profile, the masses, or the aerodynamic coefficients.
 """
 
@@ -81,9 +81,9 @@ def measure(work: Work) -> Measurement:
     finding = Finding(
         "largest ratio of the deployment times of Tables 10 and 6, with clearances",
         largest,
-        remark=f"over {wings:,} wings: {len(LAWS)} contact laws, both tangential velocities, initial "
-        f"angles from {ANGLES[0]} to {ANGLES[-1]} degrees, locks from {LOCKS[0]:g} to {LOCKS[-1]:g} "
-        f"m; smallest {smallest:.2g}; nothing else was scanned",
+        remark=f"over {wings:,} wings: {len(LAWS)} contact laws, both tangential velocities, "
+        f"initial angles from {ANGLES[0]} to {ANGLES[-1]} degrees, locks from {LOCKS[0]:g} to "
+        f"{LOCKS[-1]:g} m; smallest {smallest:.2g}; nothing else was scanned",
     )
     table = Table.of("scan", "Deployment times over what the text leaves open", rows)
     return Measurement.of([*judged.findings, finding], [*judged.tables, table])

@@ -11,8 +11,10 @@ from uqfold.comparison.studies import StudyRunner, load_study
 from uqfold.comparison.studies.results import write_record, write_table
 from uqfold.comparison.studies.study import RUN_COLUMNS
 from uqfold.report.studies import figure_kinds, table_kinds, write_exhibits, write_page
+from uqfold.report.studies.evaluations import EVALUATIONS
 from uqfold.report.studies.page import markdown_table
 from uqfold.report.studies.selection import SelectionError, selected, value_text
+from uqfold.report.wording import NO_VALUE
 
 FILE = """\
 schema = "uqfold-study/1"
@@ -270,3 +272,25 @@ def test_values_in_words(column: str, value: object, text: str) -> None:
 
 def test_markdown_escapes_what_would_end_a_cell() -> None:
     assert markdown_table(pd.DataFrame({"a": ["x|y\nz"]})).endswith("| x\\|y z |")
+
+
+def test_evaluations_have_a_row_of_the_simulated_reference() -> None:
+    """The paper's table of sample sizes sets its Monte Carlo beside its methods."""
+    row = {"problem": "wing", "tau": math.nan, "pf": 0.1, "reference_pf": 0.1}
+    synchronized = {**row, "tau": 0.04, "label": "pearson", "n_evals": 9}
+    tables = {
+        "runs": pd.DataFrame([{**row, "label": "spa", "n_evals": 7}, synchronized]),
+        "problems": pd.DataFrame(
+            [{"problem": "wing", "reference_kind": "simulation",
+              "reference_how": "Simulation of the mechanism, 7987200 deployments: 104 blocks"}]
+        ),
+    }  # fmt: skip
+    settings = {"table": ("runs",), "where": {}}
+    found = EVALUATIONS.call(settings, tables).to_numpy().tolist()
+    assert found == [
+        ["spa", "7", NO_VALUE],
+        ["pearson", NO_VALUE, "9"],
+        ["Monte Carlo, the reference", "7,987,200", "7,987,200"],
+    ]
+    exact = tables["problems"].assign(reference_kind="integration")
+    assert len(EVALUATIONS.call(settings, {**tables, "problems": exact})) == 2
