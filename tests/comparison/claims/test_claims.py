@@ -54,7 +54,8 @@ def perfect(results: Results) -> None:
 
 def one_row_off(results: Results) -> None:
     frame = results["example-2"]["no-sync-open"]
-    rows = frame.index == frame["reference_pf"].sub(0.5).abs().idxmin()
+    named = frame[frame["missions"] == "2"]
+    rows = frame.index == named["reference_pf"].sub(0.5).abs().idxmin()
     set_pf(frame, pd.Series(rows), frame.loc[rows, "reference_pf"] - 0.06)
     frame.loc[rows, "error"] = 0.06 / frame.loc[rows, "reference_pf"]
 
