@@ -115,22 +115,19 @@ def _off(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _with_troughs(table: pd.DataFrame) -> pd.DataFrame:
-    """Let the smaller deviation start 0.002 lower at every number of missions and tau."""
+    """Let the larger deviation start 0.002 higher at every number of missions and tau."""
     changed = table.copy()
     if not {"problem", "pf", "missions", "tau", "threshold"} <= set(changed):
         return changed
-    curves = changed["missions"] + ", " + changed["tau"].astype(str)
+    curves = changed["missions"] + ", " + changed["tau"].fillna(-1.0).astype(str)
     for smaller, larger in SMALLER.values():
         own, other = changed["problem"] == smaller, changed["problem"] == larger
-        for curve in curves[own].unique():
-            of_m = curves == curve
-            started = changed[other & of_m & (changed["pf"] < 0.9975)]
-            if started.empty:
-                continue
-            first = started["threshold"].min()
-            here = changed["threshold"] == first
-            pf = started.loc[started["threshold"] == first, "pf"].iloc[0] + 0.002
-            changed.loc[own & of_m & here, "pf"] = pf
+        # tables that compare both conditions in one row have no curve of their own to change
+        both = set(curves[own].dropna()) & set(curves[other].dropna())
+        for curve in sorted(both):
+            here = curves == curve
+            first = here & (changed["threshold"] == changed.loc[own & here, "threshold"].min())
+            changed.loc[other & first, "pf"] = changed.loc[own & first, "pf"].iloc[0] - 0.002
     return _consistent(changed)
 
 

@@ -1,0 +1,65 @@
+"""Cases that said more than they could: what they may not claim, and what must be able to fail."""
+
+from pathlib import Path
+
+import pytest
+
+from uqfold.comparison.findings import VERDICT_RULE
+from uqfold.evidence.case import load_case
+from uqfold.evidence.record_file import read_case_record
+from validation.coverage import measure as coverage
+from validation.paper_time_range import measure as time_range
+
+FOLDER = Path(__file__).resolve().parents[2] / "validation"
+SURFACES = [
+    name for name in coverage.methods() if coverage.questions(name) is not coverage.QUESTIONS
+]
+
+
+def test_a_slider_crank_of_unchecked_dimensions_cannot_be_judged() -> None:
+    case = load_case(FOLDER / "slider_crank")
+    assert "published" not in case.title.lower()
+    assert "could not be checked" in case.uncertainty
+    for tier in ("quick", "full"):
+        record = read_case_record(FOLDER / "slider_crank" / f"{tier}.json")
+        assert record.verdict == "cannot be judged"
+        unjudged = [one.what for one in record.findings if one.verdict == "cannot be judged"]
+        assert "dimensions of the published mechanism" in unjudged
+
+
+def test_surfaces_are_asked_of_a_curved_response_and_can_miss_it() -> None:
+    assert set(SURFACES) >= {"kriging", "pce", "ak-mcs"}
+    for name in SURFACES:
+        for question in coverage.questions(name):
+            exact = coverage.exact_pf(name, question)
+            honest = [[exact * (1.0 + 0.01 * z), 0.01 * exact, 0.0, 1.0] for z in (-1, 1) * 20]
+            both = [[row, row] for row in honest]
+            row = coverage.summary(name, "surrogate", question, both)
+            assert row is not None
+            assert [one.verdict for one in coverage.judge(row)] == ["holds", "holds"]
+            sure = [coverage._planted(rows, coverage.TOO_SURE) for rows in both]
+            row = coverage.summary(name, "surrogate", question, sure)
+            assert row is not None
+            assert coverage.judge(row)[1].verdict == "does not hold"
+
+
+def test_what_was_scanned_for_the_range_of_T_is_said() -> None:
+    [finding] = [
+        one
+        for one in read_case_record(FOLDER / "paper_time_range" / "quick.json").findings
+        if "with clearances" in one.what
+    ]
+    wings = len(time_range.LAWS) * len(time_range.VELOCITIES)
+    assert finding.limit is None
+    assert "2,376 wings" in finding.remark
+    assert wings * len(time_range.ANGLES) * len(time_range.LOCKS) >= 2_376
+    assert finding.value == pytest.approx(0.69, abs=0.005)
+
+
+def test_the_rule_of_verdicts_is_written_where_it_is_read() -> None:
+    root = FOLDER.parent
+    words = " ".join((root / "docs" / "validation.md").read_text("utf-8").replace("> ", "").split())
+    assert VERDICT_RULE in words
+    assert VERDICT_RULE in (root / "studies" / "claims.md").read_text("utf-8")
+    report = (FOLDER / "report.md").read_text("utf-8")
+    assert report.count(VERDICT_RULE) == len(list(FOLDER.glob("*/case.toml")))
