@@ -99,6 +99,8 @@ def test_what_it_cannot_compare_is_refused_before_any_run() -> None:
         paired_differences(first, "second", CRITERIA)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="the same inputs"):
         paired_differences(first, LinearNormalSystem().problem(), CRITERIA)
+    with pytest.raises(TypeError, match="evaluator = 42"):
+        paired_differences(first, second, CRITERIA, evaluator=42)  # type: ignore[arg-type]
     with pytest.raises(BudgetExceededError):
         paired_differences(first, second, CRITERIA, max_evals=1_000)
 

@@ -27,7 +27,7 @@ import numpy as np
 from uqfold.analysis.affordable import check_affordable
 from uqfold.checks import instance, refused, whole
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import checked_budget
+from uqfold.methods.arguments import checked_budget, checked_evaluator
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.base import Problem
@@ -61,7 +61,8 @@ class PairedDifference:
     missions
         Number of missions, as text.
     pf, pf_other
-        Failure probability of the first and of the second problem.
+        Failure probability of the first and of the second problem, each with an error of its own
+        that is far larger than that of the difference.
     difference
         ``pf_other`` - ``pf``: by how much the first one is the more reliable.
     std_error
@@ -149,7 +150,7 @@ def paired_differences(
     changed = _changed_input(first, second)
     seed = reduced_seed(rng)
     budget = checked_budget(max_evals)
-    settings = Evaluator() if evaluator is None else evaluator
+    settings = checked_evaluator(evaluator)
     sessions = [settings.open(problem, budget) for problem in (first, second)]
     own = [i for i in range(first.inputs.n_shared, first.inputs.dimension) if i != changed]
     per_problem = draws * 2 * _STATIONS.size
