@@ -62,6 +62,11 @@ FAR = {
 }
 
 
+def _name(value: Any) -> str:
+    """Name of a test that is the same in every process: no address of an object."""
+    return getattr(getattr(value, "dist", None), "name", str(value)[:60])
+
+
 @pytest.mark.parametrize("name", list(FAR))
 def test_far_truncated_normals_follow_their_law_in_both_tails(name: str) -> None:
     given, law = FAR[name]
@@ -107,7 +112,7 @@ def test_any_truncated_tail_is_computed_from_its_own_tail() -> None:
         stats.johnsonsu(2.55, 2.25),
         stats.genextreme(-0.3),
     ],
-    ids=str,
+    ids=_name,
 )
 def test_what_is_odd_but_right_is_let_in(distribution: Any) -> None:
     inputs = product_inputs(None, {"x": distribution})
@@ -170,7 +175,7 @@ class Halved(ot.PythonDistribution):
         (ot.Dirac(1.0), "discrete inputs are not supported"),
         (ot.Mixture([ot.Dirac(1.0), ot.Normal()]), "discrete inputs are not supported"),
     ],
-    ids=lambda value: str(value)[:40],
+    ids=_name,
 )
 def test_impossible_inputs_are_refused_by_name_when_the_problem_is_built(
     distribution: Any, message: str
