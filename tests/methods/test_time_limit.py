@@ -13,6 +13,7 @@ from uqfold.methods import (
     ActiveKriging,
     FFNIPearson,
     Kriging,
+    OpenTURNSFORM,
     OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
@@ -104,6 +105,28 @@ def test_too_few_runs_are_none(slow: Callable[..., Any], method: ReliabilityMeth
     assert (
         "out of budget before an answer: the wall-clock limit of 5 s is over" in result[0].message
     )
+
+
+@pytest.mark.parametrize(
+    ("method", "hook"),
+    [(OpenTURNSFORM(), "_run"), (OpenTURNSMonteCarlo(block_size=10), "_simulate")],
+)
+def test_no_criterion_is_begun_after_the_limit(
+    slow: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, method: ReliabilityMethod, hook: str
+) -> None:
+    """Many criteria do not stretch the limit: OpenTURNS is not started for those that are left."""
+    begin, begun = getattr(type(method), hook), []
+
+    def counted(*words: Any) -> Any:
+        begun.append(words)
+        return begin(*words)
+
+    monkeypatch.setattr(type(method), hook, counted)
+    asked = criteria(np.linspace(10.2, 13.0, 60).tolist())
+    result = method.estimate(criteria=asked, **slow(40.0))
+    assert result.n_evals == 40
+    assert 1 <= len(begun) <= 3
+    assert len({row.status for row in result}) > 1
 
 
 @pytest.mark.parametrize(

@@ -243,6 +243,17 @@ class EvaluationSession:
         if limit is not None and time.monotonic() >= limit:
             self._time_is_over()
 
+    def check_deadline(self) -> None:
+        """Raise if no run is started any more: before work that is nothing without runs.
+
+        Raises
+        ------
+        TimeLimitError
+            If the wall-clock limit is over, also while there is still time for summing up.
+        """
+        if self._deadline is not None and time.monotonic() >= self._deadline:
+            self._time_is_over()
+
     @property
     def watched(self) -> bool:
         """Whether anybody looks at running estimates."""
@@ -275,7 +286,7 @@ class EvaluationSession:
 
     def _begin(self, batch: _Batch, under_way: dict[int, _Batch], *, first: bool) -> None:
         """Look a batch up in the store, and hand over what is not there."""
-        self._check_deadline()
+        self.check_deadline()
         x = batch.x
         if self.shelf is not None:
             batch.y[:] = self.shelf.look_up(x, batch.grain)
@@ -297,7 +308,7 @@ class EvaluationSession:
         """Wait for any batch under way, and keep its responses."""
         with program_blas_threads():
             while (found := self._runner.finished(WAKE_SECONDS)) is None:
-                self._check_deadline()
+                self.check_deadline()
         number, outcome = found
         batch = under_way.pop(number)
         if outcome.unusable:
@@ -349,11 +360,6 @@ class EvaluationSession:
             )
         if self.settings.failed_runs == "count-as-failure":
             batch.y[failed] = np.inf
-
-    def _check_deadline(self) -> None:
-        """No run is started after the limit."""
-        if self._deadline is not None and time.monotonic() >= self._deadline:
-            self._time_is_over()
 
     def _time_is_over(self) -> NoReturn:
         limit = self.settings.max_seconds

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.inputs import JointInputs
 from uqfold.methods.result import Status
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -229,17 +228,17 @@ class Search:
         beyond = side * (response.values(points[near]) - self.threshold)
         self.several = bool((beyond > 0.0).any())
 
-    def design_point(self, inputs: JointInputs) -> DesignPoint:
-        """Give the record of the best point."""
+    def design_point(self, x: FloatArray, n_shared: int) -> DesignPoint:
+        """Return the record of the best point, whose inputs are x (d,), shared ones first."""
         best, algorithm = self._closest
         return DesignPoint(
             threshold=self.threshold,
             u=best.u,
-            x=inputs.from_standard_normal(best.u[None, :])[0],
+            x=x,
             beta_hl=best.beta(self.threshold),
             alpha=best.alpha,
             # rounding must not carry the square of a unit vector beyond one
-            shared_fraction=min(1.0, float(np.sum(best.alpha[: inputs.n_shared] ** 2))),
+            shared_fraction=min(1.0, float(np.sum(best.alpha[:n_shared] ** 2))),
             residual=best.residual(self.threshold),
             algorithm=algorithm,
             linearisations=len(self.trace),

@@ -9,7 +9,7 @@ one-factor normal integral.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -19,6 +19,7 @@ import numpy as np
 
 from uqfold.checks import choice, keep, real, refused, several, whole
 from uqfold.evaluation import BudgetExceededError, FailedRunError
+from uqfold.inputs import JointInputs
 from uqfold.inputs.python_side import reclaim_interrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import (
@@ -145,7 +146,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         for i, threshold in enumerate(thresholds):
             response.allowed = session.n_evals + session.remaining // (len(thresholds) - i)
             searches[threshold] = self._searched(response, threshold, start.known)
-        points = {t: searches[t].design_point(problem.inputs) for t in sorted(searches)}
+        points = task.summed_up(lambda _: _design_points(searches, problem.inputs))
 
         def answer(criterion: Criterion) -> Estimate:
             if math.isinf(criterion.threshold):
@@ -175,6 +176,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         search = Search(threshold, [(nearest, "")])
         before = response.session.n_evals
         try:
+            response.session.check_deadline()
             search.look_far(response)
             ahead = nearest.beta(threshold) * nearest.alpha
             from_plane = math.hypot(*ahead) <= SEARCH_RADIUS
@@ -266,6 +268,20 @@ class OpenTURNSFORM(ReliabilityMethod):
         fatal = [error for error in raised if not isinstance(error, NoGradientError)]
         if fatal:
             raise fatal[0]
+
+
+def _design_points(
+    searches: Mapping[float, Search], inputs: JointInputs
+) -> dict[float, DesignPoint]:
+    """Return the design points by threshold, ascending; all are mapped to the inputs at once."""
+    if not searches:
+        return {}
+    thresholds = sorted(searches)
+    x = inputs.from_standard_normal(np.array([searches[t].best.u for t in thresholds]))
+    return {
+        t: searches[t].design_point(row, inputs.n_shared)
+        for t, row in zip(thresholds, x, strict=True)
+    }
 
 
 def _noting(

@@ -122,6 +122,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
         def answer(event: SystemEvent, criteria_left: int) -> Estimate:
             session = task.session
+            session.check_deadline()
             before = session.n_evals
             share = None if session.max_evals is None else session.remaining // criteria_left
             block_size, blocks = self._blocks(event, share)
