@@ -7,7 +7,7 @@ import itertools
 import math
 import operator
 import types
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
@@ -17,6 +17,7 @@ from zoneinfo import ZoneInfo
 import numpy as np
 import openturns as ot
 import pytest
+from scipy import special
 
 import uqfold
 from tests.evaluation import models
@@ -84,6 +85,119 @@ def local_class(p: Any) -> Any:
     return Local()
 
 
+def attribute(p: Any) -> Any:
+    def model(x: FloatArray) -> FloatArray:
+        return float(model.factor) * x[:, 0]  # type: ignore[attr-defined]
+
+    model.factor = p  # type: ignore[attr-defined]
+    return model
+
+
+def local_class_method(p: Any) -> Any:
+    class Local:
+        factor = p
+
+        @classmethod
+        def run(cls, x: FloatArray) -> FloatArray:
+            return float(cls.factor) * x[:, 0]
+
+    return Local.run
+
+
+def local_base(p: Any) -> Any:
+    class Base:
+        def __call__(self, x: FloatArray) -> FloatArray:
+            return float(p) * x[:, 0]
+
+    @dataclass(frozen=True)
+    class Local(Base):
+        def again(self) -> Any:
+            return super(), Local()
+
+    return Local()
+
+
+def local_tuple(p: Any) -> Any:
+    class Local(NamedTuple):
+        column: int = 0
+
+        def __call__(self, x: FloatArray) -> FloatArray:
+            return float(p) * x[:, self.column]
+
+    return Local()
+
+
+def local_property(p: Any) -> Any:
+    @dataclass(frozen=True)
+    class Local:
+        @property
+        def factor(self) -> float:
+            return float(p)
+
+        def __call__(self, x: FloatArray) -> FloatArray:
+            return self.factor * x[:, 0]
+
+    return Local()
+
+
+def local_static(p: Any) -> Any:
+    @dataclass(frozen=True)
+    class Local:
+        @staticmethod
+        def factor() -> float:
+            return float(p)
+
+        def __call__(self, x: FloatArray) -> FloatArray:
+            return self.factor() * x[:, 0]
+
+    return Local()
+
+
+@dataclass(frozen=True)
+class Prepared:
+    given: InitVar[Any]
+
+    def __post_init__(self, given: Any) -> None:
+        object.__setattr__(self, "factor", given)
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return self.remembered * x[:, 0]
+
+    @functools.cached_property
+    def remembered(self) -> float:
+        return float(self.factor)  # type: ignore[attr-defined]
+
+
+MAKERS = [
+    *(Scaled, closed_over, with_default, local_class, attribute, local_class_method),
+    *(local_base, local_tuple, local_property, local_static, Prepared),
+]
+
+
+def branch(first: bool) -> Any:
+    if first:
+
+        def model(x: FloatArray) -> FloatArray:
+            return x[:, 0]
+
+    else:
+
+        def model(x: FloatArray) -> FloatArray:
+            return x[:, 1]
+
+    return model
+
+
+class Odd(functools.partial):  # type: ignore[type-arg]
+    """Calls what it likes."""
+
+
+def with_attribute(p: Any) -> Any:
+    model = functools.partial(two)
+    model.factor = p  # type: ignore[attr-defined]
+    return model
+
+
 def record(a: float, b: int) -> np.ndarray:
     return np.array([(a, b)], dtype=np.dtype([("a", float), ("b", "i1")], align=True))
 
@@ -123,7 +237,8 @@ VALUES = [
     *(two, models.quadratic, functools.partial(two, factor=1.0), functools.partial(two, factor=1)),
     *(Scaled(1).__call__, Scaled(2).__call__, Other(1).__call__, per_sample(two)),
     *(lambda x: x[:, 0], lambda x: x[:, 1], lambda x: 2 * x[:, 0], lambda x: 3 * x[:, 0]),
-    *(make(p) for make in (closed_over, with_default, local_class) for p in (1, 1.0, np.int64(1))),
+    *(make(p) for make in MAKERS[1:] for p in (1, 1.0, np.int64(1))),
+    *(branch(True), branch(False), with_attribute(1), with_attribute(2), special.expit),
 ]
 
 
@@ -137,7 +252,7 @@ def test_the_same_value_has_the_same_description() -> None:
     a, b = {"x": 1, "y": [Scaled(np.int64(3))]}, {"x": 1, "y": [Scaled(np.int64(3))]}
     assert described(a) == described(b)
     assert described({"b", "a", "c"}) == described({"c", "a", "b"})
-    for make in (closed_over, with_default, local_class):
+    for make in MAKERS:
         assert described(make(2.5)) == described(make(2.5))
     # what lies between the fields of a record means nothing
     one, other = record(1.0, 1), record(1.0, 1)
@@ -189,6 +304,8 @@ def holding_itself() -> list[Any]:
         ot.SymbolicFunction(["a", "b"], ["a"]),
         types.MethodType(two, Opaque()),
         functools.partial(two, factor=np.random.default_rng(1)),
+        Odd(two),
+        Scaled(np.frompyfunc(lambda x: 2.0 * x, 1, 1)),
     ],
 )
 def test_of_what_cannot_be_told_nothing_is_stored_and_a_warning_says_why(
@@ -213,7 +330,7 @@ def test_what_has_no_influence_on_a_response_is_left_out() -> None:
 PARAMETERS = [np.int64(1), np.int64(3), 2, 2.0, Decimal(5), Fraction(7), np.array(4.0), True]
 
 
-@pytest.mark.parametrize("make", [Scaled, closed_over, with_default, local_class])
+@pytest.mark.parametrize("make", MAKERS)
 def test_the_store_does_not_answer_for_another_model(make: Any, tmp_path: Path) -> None:
     asked, x = uqfold.criteria(1.0), models.rows(50)
     for p in PARAMETERS:

@@ -16,14 +16,26 @@ import importlib.util
 import sys
 import types
 from collections.abc import Callable, Mapping
+from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 MOST_NESTED = 50
+
+
+class _Pair(NamedTuple):
+    first: int
+
+
+# What is no attribute of a class, but says where its instances keep one.
+_PLACES = (types.MemberDescriptorType, types.GetSetDescriptorType, type(_Pair.first))
+_WRAPPERS = (staticmethod, classmethod, property, functools.cached_property)
+# Classes that are being described: their methods may name them.
+_under_way: ContextVar[tuple[type, ...]] = ContextVar("_under_way", default=())
 
 
 class UndescribedError(TypeError):
@@ -68,8 +80,8 @@ def described(value: Any, where: str = "model") -> Any:
         return ["path", type(value).__name__, str(value)]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return _record(value, where)
-    if isinstance(value, functools.partial):
-        parts = (value.func, value.args, value.keywords)
+    if type(value) is functools.partial:
+        parts = (value.func, value.args, value.keywords, vars(value))
         return ["partial", *(described(part, f"{where}.partial") for part in parts)]
     if isinstance(value, types.MethodType):
         owner = described(value.__self__, f"{where}.__self__")
@@ -84,19 +96,20 @@ def described(value: Any, where: str = "model") -> Any:
     compiled = getattr(value, "py_func", None)
     if isinstance(compiled, types.FunctionType):
         return ["compiled", described(compiled, where)]
-    if isinstance(value, np.ufunc):
+    if isinstance(value, np.ufunc) and _has_its_name(value):
         return ["ufunc", value.__name__]
     if isinstance(value, type):
-        return ["type", _named(value)]
+        return ["type", _named(value), _of_local_class(value, where)]
     if isinstance(value, types.ModuleType):
         return ["module", value.__name__]
     raise UndescribedError(f"{where} is a {_named(type(value))}, whose content cannot be told")
 
 
 def captured(function: types.FunctionType, where: str = "model") -> list[Any]:
-    """Return what tells a function from others of its name: defaults, closure, a lambda's code.
+    """Return what tells a function from others of its name.
 
-    What it reads from elsewhere (global variables, files) is not seen.
+    These are its defaults, closure and attributes, and the code of a lambda or of a function that
+    is defined inside another. What it reads from elsewhere (global variables, files) is not seen.
 
     Raises
     ------
@@ -109,12 +122,14 @@ def captured(function: types.FunctionType, where: str = "model") -> list[Any]:
         for name, cell in zip(names, function.__closure__ or (), strict=True)
         if not _holds(cell, function)
     }
-    anonymous = function.__name__ == "<lambda>"
+    # many of these may have one name: both branches of an if define it, say
+    of_no_name = function.__name__ == "<lambda>" or "<locals>" in function.__qualname__
     return [
         described(function.__defaults__, f"{where}.__defaults__"),
         described(function.__kwdefaults__, f"{where}.__kwdefaults__"),
         cells,
-        _code(function.__code__, where) if anonymous else None,
+        described(vars(function), f"{where}.__dict__"),
+        _code(function.__code__, where) if of_no_name else None,
     ]
 
 
@@ -163,8 +178,10 @@ def _array(value: np.ndarray[Any, Any], where: str) -> list[Any]:
 def _container(value: Any, where: str) -> list[Any] | None:
     kind = type(value)
     if kind in {list, tuple} or (isinstance(value, tuple) and hasattr(kind, "_fields")):
-        name = kind.__name__ if kind in {list, tuple} else _named(kind)
-        return [name, [described(one, f"{where}[{i}]") for i, one in enumerate(value)]]
+        items = [described(one, f"{where}[{i}]") for i, one in enumerate(value)]
+        if kind in {list, tuple}:
+            return [kind.__name__, items]
+        return [_named(kind), items, _of_local_class(kind, where)]
     if kind in {set, frozenset}:
         # in an order that does not depend on the process
         return [kind.__name__, sorted((described(one, f"{where}[]") for one in value), key=repr)]
@@ -183,23 +200,57 @@ def _record(value: Any, where: str) -> list[Any]:
         raise UndescribedError(
             f"{where} is a {_named(type(value))}, a dataclass that is not frozen"
         )
-    fields = [field.name for field in dataclasses.fields(value) if field.compare]
-    content = [[name, described(getattr(value, name), f"{where}.{name}")] for name in fields]
-    return ["record", _named(type(value)), content, _of_local_class(type(value), where)]
+    fields = dataclasses.fields(value)
+    content = {field.name: getattr(value, field.name) for field in fields if field.compare}
+    # what __post_init__ has made of an InitVar, say; what is only remembered follows from the rest
+    named = {field.name for field in fields}
+    for name, extra in getattr(value, "__dict__", {}).items():
+        remembered = isinstance(getattr(type(value), name, None), functools.cached_property)
+        if name not in named and not remembered:
+            content[name] = extra
+    return [
+        "record",
+        _named(type(value)),
+        [[name, described(one, f"{where}.{name}")] for name, one in content.items()],
+        _of_local_class(type(value), where),
+    ]
+
+
+def _has_its_name(ufunc: np.ufunc) -> bool:
+    """Whether it is NumPy's or SciPy's of that name, not one made of a function."""
+    homes = (np, sys.modules.get("scipy.special"))
+    return any(getattr(home, ufunc.__name__, None) is ufunc for home in homes)
 
 
 def _of_local_class(kind: type, where: str) -> list[Any]:
-    """Return what a class that is defined inside a function has from there."""
-    if "<locals>" not in kind.__qualname__:
+    """Return what classes that are defined inside a function have from there, bases too."""
+    if issubclass(kind, enum.Enum) or kind in _under_way.get():
         return []
-    content = []
+    token = _under_way.set((*_under_way.get(), kind))
+    try:
+        return [
+            [_named(one), _own_attributes(one, where)]
+            for one in kind.__mro__
+            if "<locals>" in one.__qualname__
+        ]
+    finally:
+        _under_way.reset(token)
+
+
+def _own_attributes(kind: type, where: str) -> list[Any]:
+    content: list[Any] = []
     for name, value in sorted(vars(kind).items()):
-        own = name == "__call__" or not name.startswith("__")
+        here = f"{where}.{name}"
         if isinstance(value, types.FunctionType):
-            if own:
-                content.append([name, captured(value, f"{where}.{name}")])
-        elif own and not hasattr(type(value), "__get__"):
-            content.append([name, described(value, f"{where}.{name}")])
+            # what dataclass and NamedTuple write themselves follows from the fields
+            written = value.__code__.co_filename == "<string>" and name.startswith("__")
+            if name == "__call__" or not (written or value.__module__ != kind.__module__):
+                content.append([name, captured(value, here)])
+        elif isinstance(value, _WRAPPERS):
+            parts = [getattr(value, part, None) for part in ("__func__", "func", "fget", "fset")]
+            content.append([name, [described(part, here) for part in parts]])
+        elif not (name.startswith("__") or name == "_abc_impl" or isinstance(value, _PLACES)):
+            content.append([name, described(value, here)])
     return content
 
 

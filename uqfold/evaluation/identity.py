@@ -9,7 +9,7 @@ import types
 from uqfold.evaluation.description import captured, described
 from uqfold.problems.base import Problem
 
-SCHEME = "uqfold-model/2"
+SCHEME = "uqfold-model/3"
 """Changes with what is described and how, so that no entry of another way is ever found."""
 
 
@@ -19,8 +19,9 @@ def model_identity(problem: Problem) -> bytes | None:
     It covers the problem's name and version, the names of the inputs in column order, and what the
     model holds. Which function it is, name and version of the problem say; what a function reads
     from elsewhere (global variables, files) nobody sees: that is what the version is for. Seen are
-    its defaults, the variables that it captured, and the code of a lambda; the fields of a frozen
-    dataclass, and what `functools.partial` or a bound method binds.
+    its defaults and attributes, the variables that it captured, and the code of a lambda or of a
+    function defined inside another; the fields of a frozen dataclass and what else it holds, and
+    what `functools.partial` or a bound method binds.
 
     Returns
     -------
