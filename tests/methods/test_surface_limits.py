@@ -167,3 +167,28 @@ def test_expansions_in_many_inputs_draw_from_few_of_the_next_degree() -> None:
     assert paths.omitted.shape[1] == 120
     assert paths.omitted.shape[0] <= 200
     assert paths(u[:5]).shape == (3, 5)
+
+
+@pytest.mark.parametrize("unit", [1e-310, 1e-200, 1e-150, 1e160, 1e300])
+@pytest.mark.parametrize(
+    "method",
+    [Kriging(runs=30), PolynomialChaos(runs=30), ActiveKriging(runs=30)],
+    ids=lambda method: method.name,
+)
+def test_responses_that_cannot_be_squared_are_refused(
+    method: ReliabilityMethod, unit: float
+) -> None:
+    """A fit whose sums of squares are 0 or inf is no fit: it said pf = 0 for sure."""
+    system = LinearNormalSystem(mean=0.0)
+    plain = system.problem()
+    problem = Problem(
+        lambda x: system.response(x) * unit,
+        inputs=plain.inputs.distribution,
+        names=plain.inputs.names,
+        shared=plain.inputs.shared_names,
+        units=plain.n_units,
+    )
+    asked = criteria([2.0 * unit], tau=[None, 2.0 * unit])
+    for row in method.estimate(problem, asked, rng=1):
+        assert row.status == "failed"
+        assert "state them in another unit" in row.message

@@ -76,3 +76,15 @@ def test_normal_rule_has_no_higher_cumulants() -> None:
     x, w = np.polynomial.hermite_e.hermegauss(5)
     k = cumulants(moments_from_rule([3.0 + 2.0 * x], w))[:, 0]
     np.testing.assert_allclose(k, [3.0, 4.0, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [-1000, -700, -530, 520, 700, 1000])
+def test_moments_hold_in_every_unit(exponent: int) -> None:
+    """No square of a response leaves the floats: in units of 2^exponent, digit for digit."""
+    y, weights = np.array([[1.0, 4.0, 2.0, 7.0]]), np.array([0.1, 0.2, 0.3, 0.4])
+    plain = moments_from_rule(y, weights)
+    far = moments_from_rule(np.ldexp(y, exponent), weights)
+    assert far.mean == np.ldexp(plain.mean, exponent)
+    assert far.std == np.ldexp(plain.std, exponent)
+    assert far.skewness == plain.skewness
+    assert far.kurtosis == plain.kurtosis

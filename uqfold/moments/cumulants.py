@@ -82,11 +82,14 @@ def moments_from_rule(y: ArrayLike, weights: ArrayLike, where: BoolArray | None 
         shifted = np.where(used, values - origin, 0.0)
         shift = (w * shifted).sum(axis=1, keepdims=True)
         deviation = np.where(used, shifted - shift, 0.0)
-        std = np.sqrt((w * deviation**2).sum(axis=1))
-        scaled = deviation / np.where(std > 0, std, 1.0)[:, None]
+        # by powers of two, which leave all digits alone, so that no square leaves the floats
+        power = np.frexp(np.abs(deviation).max(axis=1, keepdims=True))[1]
+        unit = np.ldexp(deviation, -power)
+        std = np.sqrt((w * unit**2).sum(axis=1))
+        scaled = unit / np.where(std > 0, std, 1.0)[:, None]
         skewness = np.where(std > 0, (w * scaled**3).sum(axis=1), 0.0 * std)
         kurtosis = np.where(std > 0, (w * scaled**4).sum(axis=1), 3.0 + 0.0 * std)
-    return Moments((origin + shift)[:, 0], std, skewness, kurtosis)
+    return Moments((origin + shift)[:, 0], np.ldexp(std, power[:, 0]), skewness, kurtosis)
 
 
 def cumulants(moments: Moments) -> FloatArray:

@@ -4,7 +4,24 @@ from __future__ import annotations
 
 from uqfold.typing import FloatArray
 
+SMALLEST_SCATTER, LARGEST_SCATTER = 1e-120, 1e120
+"""What fits can square, and its rounding errors too."""
+
 
 def centre_of(y: FloatArray) -> float:
-    """Mean of the responses; exactly their value if they are all the same."""
-    return float(y[0]) if float(y.min()) == float(y.max()) else float(y.mean())
+    """Mean of the responses; exactly their value if they are all the same.
+
+    Raises
+    ------
+    ValueError
+        If the responses scatter by so little or so much that squares are no numbers any more.
+    """
+    least, most = float(y.min()), float(y.max())
+    if least == most:
+        return least
+    if not SMALLEST_SCATTER <= most - least <= LARGEST_SCATTER:
+        raise ValueError(
+            f"responses from {least:g} to {most:g} cannot be fitted, since a fit squares their "
+            f"scatter ({SMALLEST_SCATTER:g} to {LARGEST_SCATTER:g}): state them in another unit"
+        )
+    return float(y.mean())
