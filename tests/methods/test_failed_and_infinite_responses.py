@@ -110,3 +110,29 @@ def test_nothing_but_minus_infinity(method: ReliabilityMethod, units: int) -> No
         assert row.status in {"doubtful", "unsupported"}
         if row.status == "doubtful":
             assert row.pf == (0.0 if math.isnan(row.tau) else 1.0)
+
+
+@pytest.mark.parametrize(("response", "said"), [(math.nan, "failed runs"), (math.inf, "infinite")])
+def test_what_only_the_last_check_has_met_makes_the_answer_doubtful(
+    response: float, said: str
+) -> None:
+    """A run that fails, or is infinite, among the control runs of a check that has passed."""
+    asked, method = criteria([10.6]), ActiveKriging(kernel="gaussian")
+    good = method.estimate(problem(SYSTEM.response), asked, rng=1)
+    (check,) = good.details.checks
+    assert check.passed
+    assert good[0].status == "converged"
+    last = problem(SYSTEM.response).inputs.from_standard_normal(check.u)[-1]
+
+    def model(x: FloatArray) -> FloatArray:
+        there = np.abs(x - last).max(axis=1) < 1e-6
+        return np.where(there, response, SYSTEM.response(x))
+
+    row = method.estimate(problem(model), asked, rng=1)[0]
+    assert row.n_evals == good[0].n_evals
+    assert row.status == "doubtful"
+    assert said in row.message
+    assert math.isnan(row.std_error)
+    if math.isnan(response):
+        assert row.n_failed == 1
+        assert (row.pf_low, row.pf_high) == (0.0, 1.0)

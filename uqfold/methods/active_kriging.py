@@ -182,6 +182,7 @@ class ActiveKriging(SequentialMethod):
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
         fits = KernelFits(kernels, self.noise)
         stability, checks, why = Stability(self.tolerance), list[Check](), ""
+        new, met = np.empty((0, inputs.dimension)), np.empty(0)
         while True:
             known = DesignRuns(u, y, y.size)
             if not known.fittable:
@@ -200,7 +201,7 @@ class ActiveKriging(SequentialMethod):
                 break
             if task.session.watched:
                 task.session.report(view.running())
-            left = total - runs.y.size
+            left, met = total - runs.y.size, np.empty(0)
             if left == 0:
                 why = stability.unfinished(checks)
                 break
@@ -212,13 +213,19 @@ class ActiveKriging(SequentialMethod):
                     new = self._next(view, runs, min(self.batch, left), rng)
                 answer = yield inputs.from_standard_normal(new)
             except TimeLimitError as error:
-                why = str(error)
+                why, met = str(error), error.responses
                 break
+            met = answer
             if check_now:
                 checks.append(Check.of(view, new, answer, self.tolerance))
                 if checks[-1].passed:
                     break
             u, y = np.concatenate([u, new]), np.concatenate([y, answer])
+        # the last runs, of a check that has passed or not learned from in time, are no part of the
+        # surface; those that no surface describes speak against it all the same
+        beyond = np.flatnonzero(~np.isfinite(met))
+        u, y = np.concatenate([runs.u, new[beyond]]), np.concatenate([runs.y, met[beyond]])
+        runs = DesignRuns(u, y, runs.asked + beyond.size)
         view = stability.views[-1]
         trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
         estimates = surface_estimates(
