@@ -66,7 +66,7 @@ class LinearNormalSystem:
     def pf(self, criterion: Criterion) -> float:
         """Exact failure probability, to about 1e-12 relative."""
         instance("criterion", criterion, Criterion, "give a Criterion")
-        v, weights = normal_rule()
+        v, weights = normal_rule(*self._transition(criterion))
         one = np.array([self._mission_failure(criterion, value) for value in v])
         missions = criterion.missions
         if isinstance(missions, Binomial):
@@ -74,6 +74,14 @@ class LinearNormalSystem:
         else:
             failure = -np.expm1(missions * np.log1p(-one))
         return float(weights @ failure)
+
+    def _transition(self, criterion: Criterion) -> FloatArray:
+        """Values of V between which units turn from safe to failed, however suddenly they do."""
+        if self.shared_std == 0.0 or math.isinf(criterion.threshold):
+            return np.empty(0)
+        upper = np.linspace(-_REACH, _REACH, _PANELS + 1)
+        middle = (criterion.threshold - self.mean) / self.shared_std
+        return np.asarray(middle + self.individual_std / self.shared_std * upper)
 
     def _mission_failure(self, criterion: Criterion, v: float) -> float:
         from scipy.special import ndtr
