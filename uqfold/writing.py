@@ -62,13 +62,15 @@ def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
 def write_text(path: str | PathLike[str], text: str) -> None:
     """Write text in UTF-8, line ends as they are; as `replacing` does.
 
+    Half a character (of a file name that is no UTF-8, say) is written as JSON escapes it.
+
     Raises
     ------
     OSError
         If it cannot be written.
     """
     with replacing(path) as stream:
-        stream.write(text.encode())
+        stream.write(text.encode(errors="backslashreplace"))
 
 
 def check_writable(folder: str | PathLike[str]) -> None:

@@ -102,6 +102,15 @@ def test_every_value_survives_strict_json(number: float, whole: int, text: str) 
     assert decoded(received[2], str, "text") == text
 
 
+def test_half_a_character_in_a_message_survives(records: Records, tmp_path: Path) -> None:
+    """A model may name a file whose name is no UTF-8: nothing was written, and all was lost."""
+    message = "no file caf\udce9.txt"
+    odd = replace(records, rows=[{**records.rows[0], "message": message}, *records.rows[1:]])
+    csv_file, _ = write_records(odd, tmp_path)
+    assert read_records(tmp_path).rows[0]["message"] == message
+    assert r"no file caf\udce9.txt" in csv_file.read_text(encoding="utf-8")
+
+
 def test_json_is_strict_and_says_its_schema(records: Records, tmp_path: Path) -> None:
     _, path = write_records(records, tmp_path)
     document = without_constants(path.read_text(encoding="utf-8"))

@@ -1,6 +1,8 @@
 """OpenTURNS' simulation against exact answers, and what it must not do to budget and generator."""
 
 import math
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -218,6 +220,36 @@ class TestSeeds:
         ot.RandomGenerator.SetSeed(99)
         OpenTURNSMonteCarlo().estimate(SYSTEM.problem(), self.asked, rng=4)
         assert list(ot.RandomGenerator.Generate(4)) == list(expected)
+
+    def test_a_model_that_seeds_the_generator_disturbs_nothing(self) -> None:
+        """A model that reseeds OpenTURNS' generator made all blocks the same: a false error."""
+        import openturns as ot
+
+        def seeding(x: FloatArray) -> FloatArray:
+            ot.RandomGenerator.SetSeed(3)
+            return SYSTEM.response(x)
+
+        plain, disturbed = (
+            OpenTURNSMonteCarlo().estimate(problem_of(model), self.asked, rng=1).pf
+            for model in (SYSTEM.response, seeding)
+        )
+        assert np.array_equal(plain, disturbed)
+
+    def test_estimates_in_several_threads_share_no_stream(self) -> None:
+        """Estimates at once started each other's stream anew: samples counted twice."""
+
+        def waiting(x: FloatArray) -> FloatArray:
+            time.sleep(1e-4)  # lets other threads go on
+            return SYSTEM.response(x)
+
+        def estimated(threshold: float) -> float:
+            method = OpenTURNSMonteCarlo(block_size=50)
+            return float(method.estimate(problem_of(waiting), criteria(threshold), rng=1).pf[0])
+
+        thresholds = [11.0, 11.3, 11.6]
+        with ThreadPoolExecutor(3) as threads:
+            together = list(threads.map(estimated, thresholds))
+        assert together == [estimated(threshold) for threshold in thresholds]
 
     def test_global_generator_is_restored_after_an_exception(self) -> None:
         import openturns as ot

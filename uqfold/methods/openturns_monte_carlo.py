@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
@@ -16,6 +14,7 @@ from uqfold.evaluation import TimeLimitError
 from uqfold.inputs.python_side import reclaim_interrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.openturns_stream import RandomStream
 from uqfold.methods.result import Estimate, Status
 from uqfold.methods.system_sample import BLOCK_VALUES, too_large
 from uqfold.methods.theory import Theory
@@ -168,12 +167,14 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         limit = math.inf if share is None else session.n_evals + share
         n = failures = open_samples = 0
         raised: list[BaseException] = []
+        stream = RandomStream(_seed(task.seed, event.criterion))
 
         def margins(u: Any) -> list[list[float]]:
             nonlocal n, failures, open_samples
             try:
                 reclaim_interrupt()
-                low, high = event.margin_bounds(np.array(u), task.evaluate)
+                with stream.put_aside():
+                    low, high = event.margin_bounds(np.array(u), task.evaluate)
             except BaseException as error:
                 # OpenTURNS turns it into a RuntimeError of its own
                 raised.append(error)
@@ -197,7 +198,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         algorithm.setBlockSize(block_size)
         algorithm.setMaximumOuterSampling(blocks)
         algorithm.setStopCallback(worst_block_does_not_fit)
-        with _seeded(ot, _seed(task.seed, event.criterion)):
+        with stream.drawn_from():
             try:
                 algorithm.run()
             except RuntimeError:
@@ -260,14 +261,3 @@ def _seed(seed: int, criterion: Criterion) -> int:
     key = np.array([criterion.threshold, tau, planned, p]) + 0.0
     sequence = np.random.SeedSequence(seed, spawn_key=tuple(key.view(np.uint32).tolist()))
     return int(sequence.generate_state(1)[0])
-
-
-@contextmanager
-def _seeded(ot: Any, seed: int) -> Iterator[None]:
-    """Seed OpenTURNS' global generator, and put it back as it was."""
-    state = ot.RandomGenerator.GetState()
-    try:
-        ot.RandomGenerator.SetSeed(seed)
-        yield
-    finally:
-        ot.RandomGenerator.SetState(state)
