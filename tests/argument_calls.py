@@ -158,7 +158,8 @@ def nothing(*_: Any) -> None:
 WITHOUT_ARGUMENT_CHECKS = {
     # answers: only the package builds them
     "analysis.Design", "analysis.InputParameter", "analysis.PfDerivative", "analysis.PfDerivatives",
-    "analysis.Scan", "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
+    "analysis.PairedDifference", "analysis.PairedDifferences", "analysis.Scan",
+    "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
     "comparison.MethodRun", "comparison.RunHeader", "evaluation.EvaluationSession",
     "evaluation.RunningEstimate", "inputs.JointInputs",
     "mechanism.BaumgarteTrajectory", "mechanism.Trajectory", "methods.CriterionResult",
@@ -189,6 +190,12 @@ def calls(folder: Path) -> dict[str, Call]:
         shared={"a": normal},
         individual={"b": normal},
         units=2,
+        default_criteria=criteria,
+    )
+    pair = uqfold.Problem(
+        lambda x: x.sum(axis=1),
+        shared={"a": normal},
+        individual={"b": normal, "c": normal},
         default_criteria=criteria,
     )
     joint = problem.inputs
@@ -387,6 +394,16 @@ def calls(folder: Path) -> dict[str, Call]:
                 "profiles": thing([(None, 1)]),
                 "method": method,
                 "points": count(9),
+                **run,
+            },
+        ),
+        "analysis.paired_differences": Call(
+            analysis.paired_differences,
+            {
+                "first": thing(pair),
+                "second": thing(pair.with_moments(standard_deviations={"c": 2.0})),
+                "criteria": optional(thing(criteria)),
+                "draws": count(4),
                 **run,
             },
         ),

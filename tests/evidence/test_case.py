@@ -1,3 +1,4 @@
+import sys
 from pathlib import Path
 
 import pytest
@@ -59,8 +60,10 @@ def test_a_case_has_to_measure(cases: Path) -> None:
 
 def test_a_folder_of_another_name_on_the_path_is_not_taken_for_the_case(tmp_path: Path) -> None:
     case = load_case(make_case(tmp_path / "json"))
-    with pytest.raises((CaseError, ModuleNotFoundError)):
+    with pytest.raises(CaseError, match="'json' is the name of a module of Python: rename"):
         case.measuring()
+    # workers, which are given the path, must not find it either
+    assert str(tmp_path) not in sys.path
 
 
 def test_cases_are_found_in_order_and_by_name(cases: Path) -> None:

@@ -18,7 +18,7 @@ Probabilistic Engineering Mechanics 19 (2004) 409-417.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -27,11 +27,16 @@ import numpy as np
 from uqfold.analysis.affordable import check_affordable
 from uqfold.checks import instance, refused, whole
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import checked_budget, checked_evaluator
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+)
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criteria, Criterion
+from uqfold.problems.criterion import Criteria
 from uqfold.problems.structure import Series
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.conditional_unit import UnitResponse
@@ -110,7 +115,7 @@ class PairedDifferences:
 def paired_differences(
     first: Problem,
     second: Problem,
-    criteria: Iterable[Criterion],
+    criteria: CriteriaLike,
     draws: int = 2_000,
     *,
     max_evals: int | None = None,
@@ -125,7 +130,7 @@ def paired_differences(
         The problems: series systems of exchangeable units. The response may be rough, but has to
         rise steadily along the lines.
     criteria
-        Thresholds, synchronization thresholds and missions.
+        Thresholds, synchronization thresholds and missions; None takes those of `first`.
     draws
         Draws of the shared inputs, at least 2. Each takes 52 runs (two problems, two lines, 13
         runs along each), and the direction of the lines two more per individual input.
@@ -141,12 +146,12 @@ def paired_differences(
     BudgetExceededError
         If the runs cost more than `max_evals`; none is made then.
     """
-    asked = Criteria(criteria)
     draws = whole("draws", draws, at_least=2)
     for name, problem in (("first", first), ("second", second)):
         instance(name, problem, Problem, "give a Problem")
         if not problem.exchangeable or problem.structure != Series():
             raise refused(name, problem, "give a series system of exchangeable units")
+    asked = checked_criteria(first, criteria)
     changed = _changed_input(first, second)
     seed = reduced_seed(rng)
     budget = checked_budget(max_evals)

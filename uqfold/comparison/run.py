@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import (
-    choice,
     function,
     instance,
     keep,
@@ -29,7 +28,7 @@ from uqfold.methods.arguments import (
     checked_problem,
 )
 from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.registry import available, build
+from uqfold.methods.registry import available, named
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import LARGEST_SEED, RandomSource, reduced_seed
 from uqfold.problems.base import Problem
@@ -282,7 +281,7 @@ def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
 
 def _built(name: str, method: MethodLike) -> ReliabilityMethod:
     if isinstance(method, str):
-        return build(choice(name, method, available()))
+        return named(name, method)
     if isinstance(method, type) and issubclass(method, ReliabilityMethod):
         raise refused(
             name, method, f"it is a class, give an instance: {method.__name__}()", TypeError

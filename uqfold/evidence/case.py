@@ -85,6 +85,9 @@ class Case:
             If there is no such function, or another package takes the name of the cases' folder.
         """
         cases = self.folder.parent
+        if cases.name in sys.stdlib_module_names:
+            # on the path it would hide Python's own module from everything that follows
+            raise CaseError(f"{cases.name!r} is the name of a module of Python: rename the folder")
         if str(cases.parent) not in sys.path:
             sys.path.insert(0, str(cases.parent))
         module = importlib.import_module(f"{cases.name}.{self.name}.measure")

@@ -19,6 +19,8 @@ from contextlib import contextmanager
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 _KIND = "class=PythonDistribution"
 
 _get_c_handler, _set_c_handler = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
@@ -48,7 +50,8 @@ def uninterrupted(function: Any) -> Any:
 
     def same(rows: Any) -> Any:
         reclaim_interrupt()
-        return rows
+        # OpenTURNS never frees what it is given back in a form of its own
+        return np.asarray(rows)
 
     return ot.ComposedFunction(
         ot.Function(function), ot.PythonFunction(d, d, same, func_sample=same)

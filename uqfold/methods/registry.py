@@ -45,10 +45,15 @@ def build(name: str) -> ReliabilityMethod:
         If no method has that name; the message lists those that exist, or says why an installed
         one was left out.
     """
+    return named("name", name)
+
+
+def named(argument: str, name: object) -> ReliabilityMethod:
+    """Build the method that an argument names; raise as `build` does, naming the argument."""
     methods, left_out = _found()
     if isinstance(name, str) and name in left_out and name not in methods:
         raise ValueError(f"the method {name!r} is not available: {left_out[name]}")
-    return methods[choice("name", name, methods)]()
+    return methods[choice(argument, name, methods)]()
 
 
 @cache
