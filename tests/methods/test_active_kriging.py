@@ -5,12 +5,16 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
+import openturns as ot
 import pytest
+from scipy import stats
 
 from uqfold.evaluation import Evaluator, session
 from uqfold.methods import ActiveKriging, CriterionResult, ReliabilityResult
+from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
 from uqfold.methods.active_view import View
@@ -322,3 +326,25 @@ def test_stability_needs_steps_and_certainty() -> None:
     assert Stability(0.01, [other, certain, certain, certain]).reached
     # a shift by 0.1 of a response with gradient of about 1.2
     assert other.moved_since(certain)[0] == pytest.approx(0.1 / 1.15, rel=0.15)
+
+
+def test_a_surface_too_coarse_for_the_threshold_is_no_answer() -> None:
+    """One response of 5e8 makes a smooth surface lose those near the threshold of 100."""
+    cauchy = Problem(
+        lambda x: x.sum(axis=1), shared={"a": ot.Normal()}, individual={"b": stats.cauchy()}
+    )
+    row = ActiveKriging().estimate(cauchy, criteria(100.0), rng=4)[0]
+    # close to P(Cauchy > 100); which runs are made may depend on the machine
+    near = abs(row.pf - stats.cauchy.sf(100.0)) < 0.03 * row.pf
+    assert near or row.status == "doubtful"
+
+
+def test_runs_on_the_wrong_side_of_the_threshold_are_counted() -> None:
+    u = np.linspace(-3.0, 3.0, 30)[:, None]
+    y = np.append(np.linspace(-50.0, 50.0, 29), 5e8)
+    coarse = SimpleNamespace(u=u, y=y, noise_std=1.0, mean=lambda u: y + 4e3)
+    fine = SimpleNamespace(u=u, y=y, noise_std=1.0, mean=lambda u: y + 0.5)
+    noisy = SimpleNamespace(u=u, y=y, noise_std=2e3, mean=lambda u: y + 4e3)
+    counts = [_on_the_wrong_side(0.0, cast(Any, one)) for one in (coarse, fine, noisy)]
+    assert counts == [15, 0, 0]
+    assert _on_the_wrong_side(math.inf, cast(Any, coarse)) == 0

@@ -48,6 +48,10 @@ _MOST_CORRELATIONS = 40_000_000
 _ROUGH = 0.3
 # A threshold is near to the runs when it lies beyond them by less than this share of their range.
 _NEAR = 0.1
+# A run further from the surface than this many standard deviations of its noise was not followed.
+_FAR = 4.0
+# A miss by less than this share of the runs' median distance to the threshold is little.
+_LITTLE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,6 +266,12 @@ class ActiveKriging(SequentialMethod):
 def _doubts(criterion: Criterion, surface: GaussianProcess) -> list[str]:
     """Why an answer should not be believed although the surface has passed its check."""
     doubts = []
+    wrong = _on_the_wrong_side(criterion.threshold, surface)
+    if wrong:
+        doubts.append(
+            f"{wrong} of {surface.y.size} runs lie on the other side of the threshold than the "
+            "surface fitted to them, which responses of very different size make too coarse there"
+        )
     shortest = float(surface.hyperparameters.length_scales.min())
     if shortest < _ROUGH:
         doubts.append(
@@ -273,6 +283,19 @@ def _doubts(criterion: Criterion, surface: GaussianProcess) -> list[str]:
         if not surface.y.min() - near <= criterion.threshold <= surface.y.max() + near:
             doubts.append("no run has come near the threshold: pf is an extrapolation")
     return doubts
+
+
+def _on_the_wrong_side(threshold: float, surface: GaussianProcess) -> int:
+    """How many training runs the surface puts on the wrong side of a threshold.
+
+    Those that it misses by its noise do not count, nor by little as distances to the threshold go.
+    """
+    if not math.isfinite(threshold):
+        return 0
+    fitted = surface.mean(surface.u)
+    little = _LITTLE * float(np.median(np.abs(surface.y - threshold)))
+    missed = np.abs(surface.y - fitted) > max(_FAR * surface.noise_std, little)
+    return int(np.count_nonzero(missed & ((fitted > threshold) != (surface.y > threshold))))
 
 
 def _qualified(estimate: Estimate, unfinished: str, doubts: list[str]) -> Estimate:
