@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 BATCH_ROWS = 1024
 """Runs in this process between two looks at Ctrl-C; has no influence on any number."""
 
-_CASES = "\n".join(f"  {case.name:<14}{case.description}" for case in available_cases().values())
+_WIDEST_CASE = max(map(len, available_cases()))
+_CASES = "\n".join(
+    f"  {case.name:<{_WIDEST_CASE}}  {case.description}" for case in available_cases().values()
+)
 
 _APP_HELP = """How reliable is this system, and which method tells us most cheaply?
 
