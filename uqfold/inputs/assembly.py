@@ -1,0 +1,143 @@
+"""Joint inputs made of distributions of any origin: converted, named, checked one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from uqfold.checks import names as checked_names
+from uqfold.checks import real, shown
+from uqfold.inputs.convert import as_openturns
+from uqfold.inputs.door import checked_marginal
+from uqfold.inputs.joint import JointInputs
+from uqfold.inputs.parts import Parts, check_part, taken_apart
+
+
+def normal(mean: float, std: float) -> Any:
+    """Return a normal marginal distribution.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If `std` is not positive or a value is no finite number.
+    """
+    mean, std = real("mean", mean), real("std", std, above=0.0)
+    import openturns as ot
+
+    return ot.Normal(mean, std)
+
+
+def product_inputs(
+    shared: Any | None, individual: Any | None, names: Sequence[str] | None = None
+) -> JointInputs:
+    """Join shared and individual inputs that are independent of each other.
+
+    Parameters
+    ----------
+    shared, individual
+        Distributions in any form `as_openturns` takes; at least one of them is not None.
+    names
+        Names of all inputs, shared first; by default those of the distributions.
+
+    Raises
+    ------
+    ValueError
+        If there is no input at all, a name occurs twice, or an input cannot be computed.
+    """
+    named = (("shared", shared), ("individual", individual))
+    given = [part for _, part in named if part is not None]
+    if not given:
+        raise ValueError("no inputs: give shared=, individual= or inputs=, not None for all")
+    blocks = [_distribution(name, part) for name, part in named if part is not None]
+    own = [_Names.of(part, block) for part, block in zip(given, blocks, strict=True)]
+    parts = Parts((), ())
+    for block in blocks:
+        parts = parts.followed_by(taken_apart(block))
+    n_shared = blocks[0].getDimension() if shared is not None else 0
+    return _assembled(parts, _resolved(names, own), n_shared)
+
+
+def joint_inputs(
+    inputs: Any, shared: Sequence[str] = (), names: Sequence[str] | None = None
+) -> JointInputs:
+    """Order one joint distribution so that the named shared inputs come first.
+
+    Parameters
+    ----------
+    inputs
+        Joint distribution in any form `as_openturns` takes, with any copula.
+    shared
+        Names of the shared inputs.
+    names
+        Names of the columns of `inputs`; by default those of the distribution.
+
+    Raises
+    ------
+    ValueError
+        If a shared name is not among the inputs, a name occurs twice, or an input or the
+        dependence cannot be computed.
+    """
+    distribution = _distribution("inputs", inputs)
+    given = _resolved(names, [_Names.of(inputs, distribution)])
+    shared = checked_names("shared", shared)
+    unknown = [name for name in shared if name not in given]
+    if unknown:
+        raise ValueError(f"shared input {unknown[0]!r} is not one of the inputs {list(given)}")
+    order = [given.index(name) for name in shared]
+    order += [i for i, name in enumerate(given) if name not in shared]
+    parts = taken_apart(distribution)
+    if order != sorted(order):
+        parts = parts.chosen(order)
+    return _assembled(parts, tuple(given[i] for i in order), len(shared))
+
+
+def _distribution(name: str, given: Any) -> Any:
+    """Return the OpenTURNS form of an argument, which errors name."""
+    try:
+        return as_openturns(given)
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{name} = {shown(given)}: {error}") from error
+
+
+def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:
+    """Let the inputs in, one by one and then what depends on each other."""
+    columns = tuple(
+        checked_marginal(marginal, name)
+        for marginal, name in zip(parts.marginals, names, strict=True)
+    )
+    for part in parts.dependent:
+        own = part.columns
+        check_part(part, [columns[i] for i in own], [names[i] for i in own])
+    return JointInputs(parts, columns, names, n_shared)
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Names that one distribution carries, and whether somebody gave them."""
+
+    own: tuple[str, ...]
+    by_hand: bool
+
+    @classmethod
+    def of(cls, given: Any, distribution: Any) -> _Names:
+        """Names of a distribution; those of a mapping, or off their default places, are given."""
+        own = tuple(str(name) for name in distribution.getDescription())
+        default = all(name == f"X{i}" for i, name in enumerate(own))
+        return cls(own, isinstance(given, Mapping) or not default)
+
+
+def _resolved(given: Sequence[str] | None, blocks: Sequence[_Names]) -> tuple[str, ...]:
+    own = [name for block in blocks for name in block.own]
+    if given is not None:
+        wanted = checked_names("names", given)
+        if len(wanted) != len(own):
+            raise ValueError(f"{len(wanted)} names for {len(own)} inputs: {list(wanted)}")
+        return wanted
+    twice = next((name for i, name in enumerate(own) if name in own[:i]), None)
+    if twice is None:
+        return tuple(own)
+    if any(block.by_hand for block in blocks if twice in block.own):
+        raise ValueError(f"input {twice!r} is named twice: {own}; give each another, or names=")
+    return tuple(f"x{i + 1}" for i in range(len(own)))
