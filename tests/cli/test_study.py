@@ -35,8 +35,8 @@ table = "body"
 name = "curves"
 kind = "reliability"
 table = "body"
-panels = "missions"
-parts = ["reliability", "pf", "error"]
+where = { missions = "1" }
+parts = "pf"
 title = "Reliability"
 """
 

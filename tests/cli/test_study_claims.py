@@ -24,7 +24,11 @@ def test_changed_results_make_the_page_out_of_date(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     root = tmp_path / "studies"
-    shutil.copytree(STUDIES, root, ignore=shutil.ignore_patterns("*.svg", "*.png", ".cache"))
+    # a page of fewer studies, which is up to date until results of one of them are gone
+    left_out = ("*.svg", "*.png", ".cache", "which-method", "example-4", "example-5")
+    shutil.copytree(STUDIES, root, ignore=shutil.ignore_patterns(*left_out))
+    assert run(str(root)) == 0
+    assert run(str(root), "--check") == 0
     shutil.rmtree(root / "example-6" / "results")
     assert run(str(root), "--check") == 1
     assert "claims.md is not what the results give" in capsys.readouterr().err
