@@ -250,3 +250,19 @@ def test_sobol_indices_come_with_the_expansion() -> None:
 def test_bad_settings_are_refused(build, message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         build()
+
+
+@pytest.mark.parametrize("method", [Kriging(), PolynomialChaos()], ids=lambda method: method.name)
+def test_responses_that_are_all_equal_say_nothing_of_another_one(method: ReliabilityMethod) -> None:
+    """A narrow band that no run has met: it was pf = 0, error 0, converged."""
+
+    def g(x: FloatArray) -> FloatArray:
+        return np.where(np.abs(x[:, 0] - 0.37) < 0.001, -1.0, 1.0)
+
+    problem = Problem.from_limit_state(g, {"a": normal(0.0, 1.0), "b": normal(0.0, 1.0)})
+    for criterion in (problem.default_criteria, criteria(2.0)):
+        row = method.estimate(problem, criterion, rng=1)[0]
+        assert row.status == "doubtful"
+        assert "all runs gave the same response" in row.message
+        assert np.isnan(row.std_error)
+        assert np.isnan(row.ci_high)

@@ -11,8 +11,10 @@ from uqfold.evaluation import Evaluator, TimeLimitError
 from uqfold.evaluation.batch import Caution, run_batch
 from uqfold.methods import (
     ActiveKriging,
+    ConditionalMonteCarlo,
     FFNIPearson,
     Kriging,
+    MonteCarlo,
     OpenTURNSFORM,
     OpenTURNSMonteCarlo,
     PolynomialChaos,
@@ -76,6 +78,8 @@ def test_the_error_holds_the_responses_that_were_made(slow: Callable[..., Any]) 
         (ActiveKriging(), 10),  # in the first design
         (ActiveKriging(), 14),  # in the first step of learning
         (OpenTURNSMonteCarlo(block_size=50, target_cov=0.01), 450),
+        (MonteCarlo(), 4000),  # in the first block
+        (ConditionalMonteCarlo(), 4000),  # in the first call
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )

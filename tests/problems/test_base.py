@@ -261,3 +261,8 @@ def test_other_moments_keep_everything_but_references() -> None:
     assert changed.references is None
     assert problem.inputs.means.tolist() == [5.0, 0.0, 1.0]
     assert problem.references is table
+
+
+def test_a_limit_state_has_one_unit() -> None:
+    with pytest.raises(ValueError, match="units = 2: a limit state has one unit"):
+        Problem.from_limit_state(first_column, TWO, units=2)

@@ -138,6 +138,10 @@ class ConditionalMonteCarlo(ReliabilityMethod):
             for y in task.session.stream(rows()):
                 sums.add(y, arrangements.popleft())
         except TimeLimitError as error:
+            complete = error.responses.size // per_block
+            if complete:
+                ways = arrangements.popleft()[:complete]
+                sums.add(error.responses[: complete * per_block], ways)
             if sums.blocks < 2:
                 raise
             missing, stopped = wanted - sums.blocks, str(error)

@@ -84,7 +84,7 @@ class MonteCarlo(ReliabilityMethod):
     The interval is that of Clopper and Pearson (Biometrika 26 (1934) 404-413) at 95 %; without a
     failure it is the one-sided upper bound. With `target_cov` the stopping time depends on the
     failures, so the interval is then approximate. When the wall-clock limit of the evaluator is
-    over, the blocks (of 4,096 systems, fewer if these are large) that are complete make the answer.
+    over, the systems that are complete make the answer.
     A system of half a million random numbers or more (missions x units x inputs) is
     ``unsupported``.
     """
@@ -146,6 +146,10 @@ class MonteCarlo(ReliabilityMethod):
                     missing = 0
                     break
         except TimeLimitError as error:
+            if drawn:  # of the block under way, the systems that are complete
+                part = drawn.popleft().first(error.responses.size)
+                if len(part.x):
+                    counts.add(*part.counts(error.responses[: len(part.x)]))
             if counts.systems == 0:
                 raise
             missing, stopped = wanted - counts.systems, str(error)

@@ -223,7 +223,8 @@ def _estimate(
     certain = found.pf in (0.0, 1.0)
     if not certain and std_error > _WIDE * min(found.pf, found.reliability):
         doubts = [*doubts, f"the stated error is above {_WIDE:.0%} of pf or of the reliability"]
-    if not runs.complete:
+    unknown = not runs.complete or (certain and bool(doubts))
+    if unknown:
         # what the surface says about its own error says nothing about what it does not describe
         std_error = low = high = math.nan
         certain = False
@@ -237,10 +238,10 @@ def _estimate(
         std_error=0.0 if certain else std_error,
         ci_low=found.pf if certain else min(low, found.pf),
         ci_high=found.pf if certain else max(high, found.pf),
-        ci_kind=CI_KIND if runs.complete else "",
+        ci_kind="" if unknown else CI_KIND,
         pf_low=0.0 if runs.failed else found.pf,
         pf_high=1.0 if runs.failed else found.pf,
-        error_kind="surrogate" if runs.complete else "none",
+        error_kind="none" if unknown else "surrogate",
         status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
         message="; ".join([*doubts, *(note if exhausted else [])]),
     )
@@ -270,7 +271,9 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
     if runs.failed:
         doubts.append("what the failed runs would have been may change the surface everywhere")
     scatter = float(runs.y[runs.finite].std())
-    if validated is not None and validated.rms > _POOR_PREDICTION * scatter:
+    if np.ptp(runs.y[runs.finite]) == 0.0:
+        doubts.append("all runs gave the same response: where another one begins is not known")
+    elif validated is not None and validated.rms > _POOR_PREDICTION * scatter:
         share = validated.rms / scatter if scatter > 0.0 else math.inf
         doubts.append(
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"

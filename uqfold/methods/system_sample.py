@@ -81,6 +81,14 @@ class SystemBlock:
     units: int
     flown: Mapping[Missions, IntArray]
 
+    def first(self, n_rows: int) -> SystemBlock:
+        """Return the systems whose rows are all among the first ones, perhaps none."""
+        ends = np.cumsum(self.rows.sum(axis=1)) * self.units
+        complete = int(np.searchsorted(ends, n_rows, side="right"))
+        rows = int(ends[complete - 1]) if complete else 0
+        flown = {profile: count[:complete] for profile, count in self.flown.items()}
+        return SystemBlock(self.criteria, self.x[:rows], self.rows[:complete], self.units, flown)
+
     def failed(self, responses: FloatArray, *, missing_fails: bool) -> BoolArray:
         """Which systems fail each criterion (n_criteria, size).
 

@@ -202,6 +202,9 @@ class Problem:
             Further arguments of `Problem`, for instance ``name``.
         """
         function("g", g, "give a function of X (n, d)")
+        if "units" in options:
+            remedy = "a limit state has one unit; give Problem(model, units=...) for several"
+            raise refused("units", options["units"], remedy)
         options.setdefault("name", getattr(g, "__name__", "limit state"))
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
         # a model of one sample knows how to change its sign and stay one
