@@ -35,8 +35,8 @@ table = "body"
 name = "curves"
 kind = "reliability"
 table = "body"
-where = { missions = "1" }
-parts = "pf"
+panels = "missions"
+parts = ["reliability", "pf", "error"]
 title = "Reliability"
 """
 
