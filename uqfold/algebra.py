@@ -36,7 +36,7 @@ class _OneThread:
         return thread in self._computing
 
     def set(self, computing: bool) -> None:
-        """Say whether this thread computes; each step may be the last one before Ctrl-C."""
+        """Return whether this thread computes; each step may be the last one before Ctrl-C."""
         thread = threading.get_ident()
         with self._lock:
             if computing:

@@ -54,7 +54,7 @@ def whole(
     Raises
     ------
     TypeError, ValueError
-        If it is no number, not whole or outside [at_least, at_most].
+        If it is not a number, not whole or outside [at_least, at_most].
     """
     remedy = f"give a {what}"
     if at_least is not None:
@@ -106,7 +106,7 @@ def real(
     Raises
     ------
     TypeError, ValueError
-        If it is no real number, too large for a float or outside the bounds.
+        If it is not a real number, too large for a float or outside the bounds.
     """
     low = above if above is not None else at_least
     high = below if below is not None else at_most
@@ -188,7 +188,7 @@ def instance(name: str, value: object, kind: type | tuple[type, ...], remedy: st
 
 
 def function(name: str, value: Any, remedy: str = "give a function") -> Callable[..., Any]:
-    """Return something that can be called and is no class."""
+    """Return something that can be called and is not a class."""
     if not callable(value) or isinstance(value, type):
         raise refused(name, value, remedy, TypeError)
     return value  # type: ignore[no-any-return]
@@ -281,7 +281,7 @@ def array(
     ----------
     name, value
         The argument: an array, or lists of numbers; text, booleans, dates, complex numbers and
-        masked entries are no numbers.
+        masked entries are not numbers.
     shape
         For example ("n", 3); None for any.
     finite
@@ -290,7 +290,7 @@ def array(
     Raises
     ------
     TypeError, ValueError
-        If an entry is no such number, or the shape differs.
+        If an entry is not such a number, or the shape differs.
     """
     import numpy as np
 
@@ -347,7 +347,7 @@ def plain(value: object) -> Any:
     if np is None or not isinstance(value, np.generic | np.ndarray):
         return value
     if isinstance(value, np.ma.MaskedArray) or value.dtype.kind in "mMV" or value.ndim:
-        return value  # dates are no numbers, nor is one under a mask
+        return value  # dates are not numbers, nor is a masked entry
     return value.item()
 
 

@@ -62,7 +62,7 @@ def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
 def write_text(path: str | PathLike[str], text: str) -> None:
     """Write text in UTF-8, line ends as they are; as `replacing` does.
 
-    Half a character (of a file name that is no UTF-8, say) is written as JSON escapes it.
+    Half a character (of a file name that is not UTF-8, say) is written as JSON escapes it.
 
     Raises
     ------

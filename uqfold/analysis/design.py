@@ -150,7 +150,7 @@ def checked_target(
     Raises
     ------
     ValueError, TypeError
-        If the target is no probability inside (0, 1), or the range is empty or not finite.
+        If the target is not a probability inside (0, 1), or the range is empty or not finite.
     """
     target = real("target_pf", target_pf, above=0.0, below=1.0, what="probability")
     ends = several("between", between, real)

@@ -61,7 +61,7 @@ class FittedSurface:
         return max(1.0, self.surface.leave_one_out().ratio)
 
     def seen_from(self, surface: Surface, inputs: JointInputs) -> Surface:
-        """Give a function over the space of `self.inputs` as one over the space of other inputs.
+        """Return a function over the space of `self.inputs` as one over the space of other inputs.
 
         Raises
         ------

@@ -165,7 +165,7 @@ class ActiveKriging(SequentialMethod):
 
     @property
     def stochastic(self) -> bool:
-        """True: design, candidates and control runs are drawn."""
+        """Whether seeds matter: design, candidates and control runs are drawn."""
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
@@ -225,8 +225,8 @@ class ActiveKriging(SequentialMethod):
                 if checks[-1].passed:
                     break
             u, y = np.concatenate([u, new]), np.concatenate([y, answer])
-        # the last runs, of a check that has passed or not learned from in time, are no part of the
-        # surface; those that no surface describes speak against it all the same
+        # the last runs, of a check that has passed or not learned from in time, do not belong to
+        # the surface; those that no surface describes speak against it all the same
         beyond = np.flatnonzero(~np.isfinite(met))
         u, y = np.concatenate([runs.u, new[beyond]]), np.concatenate([runs.y, met[beyond]])
         runs = DesignRuns(u, y, runs.asked + beyond.size)

@@ -108,7 +108,7 @@ class Question:
 
     @classmethod
     def of(cls, task: Task, runs: DesignRuns) -> Question:
-        """Give the question of a task; where it has finite responses, the runs so far tell."""
+        """Return the question of a task; where it has finite responses, the runs so far tell."""
         inputs = task.problem.inputs
 
         def usable(u: FloatArray) -> BoolArray:

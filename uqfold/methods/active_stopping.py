@@ -57,7 +57,7 @@ class Stability:
         return bool(max(moved, now.beta_std.max()) <= self.tolerance)
 
     def unfinished(self, checks: Sequence[Check]) -> str:
-        """Say why the loop ended before its end."""
+        """Return why the loop ended before its end."""
         if checks and not checks[-1].passed and not self.reached:
             why = "the last check by independent runs did not agree with the surface"
         elif self.reached:

@@ -99,7 +99,7 @@ class View:
         )
 
     def running(self) -> RunningEstimate:
-        """Give the state of the criterion that is least certain so far."""
+        """Return the state of the criterion that is least certain so far."""
         from scipy.special import ndtr
 
         worst = int(np.argmax(self.beta_std))

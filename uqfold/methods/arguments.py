@@ -22,7 +22,7 @@ def checked_problem(problem: Problem) -> Problem:
     Raises
     ------
     TypeError
-        If it is no `Problem`.
+        If it is not a `Problem`.
     """
     return instance("problem", problem, Problem, "give a Problem")
 
@@ -33,7 +33,7 @@ def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None
     Raises
     ------
     TypeError
-        If it is no `ReliabilityMethod`, for example the class instead of a method built from it.
+        If it is not a `ReliabilityMethod`, for example the class instead of a method built from it.
     """
     from uqfold.methods.base import ReliabilityMethod
 
@@ -45,14 +45,14 @@ def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None
 
 
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
-    """Give the criteria as a grid; None stands for the problem's default criteria.
+    """Return the criteria as a grid; None stands for the problem's default criteria.
 
     Raises
     ------
     ValueError
         If there are none.
     TypeError
-        If one of them is no `Criterion`, or the problem is no `Problem`.
+        If one of them is not a `Criterion`, or the problem is not a `Problem`.
     """
     checked_problem(problem)
     if criteria is None:
@@ -68,7 +68,7 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
 
 
 def checked_budget(max_evals: int | None) -> int | None:
-    """Give the budget as a whole number, or None for no budget.
+    """Return the budget as a whole number, or None for no budget.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def checked_evaluator(evaluator: Evaluator | None) -> Evaluator:
     Raises
     ------
     TypeError
-        If it is no `Evaluator`.
+        If it is not an `Evaluator`.
     """
     given = or_none("evaluator", evaluator, instance, Evaluator, "give uqfold.Evaluator(...)")
     return Evaluator() if given is None else given

@@ -96,11 +96,11 @@ class ConditionalMonteCarlo(ReliabilityMethod):
 
     @property
     def stochastic(self) -> bool:
-        """True: another seed draws other systems."""
+        """Whether seeds matter: another one draws other systems."""
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Say why not: as the base says, and systems too large to be drawn."""
+        """Return why not, or None: the reasons of the base, and systems too large to be drawn."""
         return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
 
     def _solve(self, task: Task) -> Solution:

@@ -25,7 +25,7 @@ from uqfold.typing import FloatArray
 NOTICEABLE = 0.05
 """Share of the probability behind a design point from which a second domain matters."""
 LOOSE_RESIDUAL = 0.25
-"""A point further than this (per unit of beta) from being a design point is no answer at all."""
+"""A point further than this (per unit of beta) from being a design point is not an answer."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,14 +59,14 @@ def system_estimates(
 
 
 def doubts_about_responses(details: FFNIDetails) -> list[str]:
-    """Say where no moments tell what the responses do."""
+    """Return where no moments tell what the responses do."""
     if details.infinite > 0.0:
         return [f"infinite responses at nodes of weight {details.infinite:.2g}"]
     return []
 
 
 def doubts_about_nodes(inputs: JointInputs, shared: Nodes, individual: Nodes) -> list[str]:
-    """Say which individual inputs have too few nodes for four moments.
+    """Return which individual inputs have too few nodes for four moments.
 
     n nodes integrate powers up to 2 n - 1: two of them give a response that is linear in its
     input a wrong fourth moment.

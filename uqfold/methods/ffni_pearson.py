@@ -118,7 +118,7 @@ class FFNIPearson(ReliabilityMethod):
 def _doubts(
     criteria: Sequence[Criterion], found: Sequence[SystemProbability], details: FFNIDetails
 ) -> list[str]:
-    """Say where the threshold lies beyond the end of a bounded distribution."""
+    """Return where the threshold lies beyond the end of a bounded distribution."""
     thresholds = np.array([criterion.threshold for criterion in criteria])
     beyond = np.zeros(thresholds.size)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):

@@ -69,7 +69,7 @@ class FFNISaddlepoint(ReliabilityMethod):
         keep(self, "nodes_individual", checked_nodes)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Say why not: as the base says, and every criterion with tau."""
+        """Return why not, or None: the reasons of the base, and every criterion with tau."""
         if criterion.tau is not None:
             return (
                 "the saddlepoint approximation gives no density for a synchronization threshold: "
@@ -101,7 +101,7 @@ def _doubts(
     found: Sequence[SystemProbability],
     details: FFNIDetails,
 ) -> list[str]:
-    """Say where the fallback answered at a node that contributes to pf."""
+    """Return where the fallback answered at a node that contributes to pf."""
     thresholds = np.array([criterion.threshold for criterion in criteria])
     missions = np.array([float(criterion.max_missions) for criterion in criteria])
     pf = np.array([one.pf for one in found])

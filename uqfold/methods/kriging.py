@@ -108,7 +108,7 @@ class Kriging(SequentialMethod):
 
     @property
     def stochastic(self) -> bool:
-        """True: the design is scrambled."""
+        """Whether seeds matter: they scramble the design."""
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:

@@ -103,11 +103,11 @@ class MonteCarlo(ReliabilityMethod):
 
     @property
     def stochastic(self) -> bool:
-        """True: another seed draws other systems."""
+        """Whether seeds matter: another one draws other systems."""
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Say why not: as the base says, and systems too large to be drawn."""
+        """Return why not, or None: the reasons of the base, and systems too large to be drawn."""
         return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
@@ -230,7 +230,7 @@ class _Counts:
 
 
 def _running(task: Task, counts: _Counts) -> RunningEstimate:
-    """Give the state of the criterion that is least certain so far."""
+    """Return the state of the criterion that is least certain so far."""
     i = max(range(counts.n_criteria), key=counts.cov)
     n = counts.systems
     return RunningEstimate(

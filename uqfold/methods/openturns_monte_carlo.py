@@ -111,7 +111,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         keep(self, "max_samples", whole, at_least=1)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Say why not: as the base says, and systems too large to be drawn."""
+        """Return why not, or None: the reasons of the base, and systems too large to be drawn."""
         return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
 
     def _solve(self, task: Task) -> Solution:

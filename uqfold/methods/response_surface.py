@@ -38,7 +38,7 @@ _INTEGRATION_ERROR = 1e-4
 """Error of the integration over the surface, in the reliability index."""
 _POOR_PREDICTION = 0.1
 _WIDE = 0.3
-# Scatter of units, in errors of the surface, from which it is no artefact of the fit.
+# Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
 
 
@@ -54,7 +54,7 @@ class ResponseSurface(Protocol):
         ...
 
     def leave_one_out(self) -> LeaveOneOut:
-        """Give the residuals of cross-validation."""
+        """Return the residuals of cross-validation."""
         ...
 
 

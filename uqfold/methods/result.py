@@ -74,7 +74,7 @@ class Estimate:
 
     @classmethod
     def without_answer(cls, status: Literal["unsupported", "failed"], message: str) -> Estimate:
-        """Give the row of a criterion that has no answer, and why."""
+        """Return the row of a criterion that has no answer, and why."""
         return cls(pf=math.nan, status=status, message=message)
 
     @property

@@ -38,7 +38,7 @@ def reduced_seed(rng: RandomSource) -> int:
 
 
 def block_generator(seed: int, block: int) -> np.random.Generator:
-    """Give the generator of one block of random work.
+    """Return the generator of one block of random work.
 
     Blocks have a fixed size and their own streams, so that the answer does not depend on how the
     blocks are spread over workers or restarts.

@@ -30,7 +30,7 @@ _FEW_THRESHOLDS = 16
 
 
 def too_large(name: str, problem: Problem, criterion: Criterion) -> str | None:
-    """Say why a method that simulates whole systems cannot answer a criterion, or None.
+    """Return why a method that simulates whole systems cannot answer a criterion, or None.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _missions_flown(missions: Missions, chance: FloatArray) -> IntArray:
 
 
 def _alike(criteria: Sequence[Criterion]) -> Iterator[list[int]]:
-    """Give the criteria that differ in the threshold alone, by index."""
+    """Return the criteria that differ in the threshold alone, by index."""
     groups: dict[tuple[Missions, float | None], list[int]] = {}
     for i, criterion in enumerate(criteria):
         groups.setdefault((criterion.missions, criterion.tau), []).append(i)

@@ -136,12 +136,12 @@ class AtomicDistribution:
 
     @property
     def bounded(self) -> bool:
-        """True: there is no density that could be infinite."""
+        """Whether the density is bounded; without one, nothing can be infinite."""
         return True
 
     @property
     def breakpoints(self) -> FloatArray:
-        """Empty: there is no continuous part."""
+        """Where the density may break: nowhere, there is no continuous part."""
         return np.empty(0)
 
     @property

@@ -114,7 +114,7 @@ class TabulatedDistribution:
 
     @property
     def bounded(self) -> bool:
-        """True: the slope of the score is finite."""
+        """Whether the density is bounded: the slope of the score is finite."""
         return True
 
     @cached_property

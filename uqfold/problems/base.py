@@ -186,7 +186,7 @@ class Problem:
     def from_limit_state(
         cls, g: Callable[[FloatArray], Any], inputs: Any, **options: Any
     ) -> Problem:
-        """Give the one-unit problem of a plain limit state: failure when g(x) <= 0.
+        """Return the one-unit problem of a plain limit state: failure when g(x) <= 0.
 
         The response is y = -g and the threshold lies one float below zero, so that g = 0 fails;
         `default_criteria` holds it.
@@ -217,7 +217,7 @@ class Problem:
         means: Mapping[str, float] | None = None,
         standard_deviations: Mapping[str, float] | None = None,
     ) -> Problem:
-        """Give the same problem with other means or standard deviations of some inputs.
+        """Return the same problem with other means or standard deviations of some inputs.
 
         Name, version and model stay, so that stored runs serve both; the references do not
         belong to it any more. Units with inputs of their own keep these.

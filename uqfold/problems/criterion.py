@@ -50,8 +50,8 @@ class Criterion:
     Raises
     ------
     ValueError, TypeError
-        If a value is no number, tau is negative, or missions is neither a whole number >= 1 nor a
-        `Binomial`.
+        If a value is not a number, tau is negative, or missions is neither a whole number >= 1
+        nor a `Binomial`.
     """
 
     threshold: float

@@ -83,7 +83,7 @@ class RockerAngle:
         keep(self, "branch", choice, get_args(Branch))
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the angles.
+        """Return the angles.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class RockerAngle:
 
 
 def four_bar(branch: Branch = "open") -> Problem:
-    """Give the system of two four-bar linkages of Example 2.
+    """Return the system of two four-bar linkages of Example 2.
 
     Parameters
     ----------

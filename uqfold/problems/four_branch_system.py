@@ -50,7 +50,7 @@ class FourBranchLimitState:
         keep(self, "k", real, above=0.0)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give g (n,) of X (n, 2); failure when it is not positive."""
+        """Return g (n,) of X (n, 2); failure when it is not positive."""
         x1, x2 = x.T
         s = (x1 + x2) / math.sqrt(2.0)
         curved = 3.0 + 0.1 * (x1 - x2) ** 2 - np.abs(s)
@@ -59,7 +59,7 @@ class FourBranchLimitState:
 
 
 def four_branch(k: float = DEFAULT_K) -> Problem:
-    """Give the four-branch series system as a plain limit state.
+    """Return the four-branch series system as a plain limit state.
 
     Parameters
     ----------

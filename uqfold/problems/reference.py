@@ -73,7 +73,7 @@ class ReferenceTable:
             instance(f"entries[{criterion}]", reference, Reference, "give a Reference")
 
     def lookup(self, criterion: Criterion) -> Reference | None:
-        """Give the reference of exactly this criterion, or None; nothing is interpolated."""
+        """Return the reference of exactly this criterion, or None; nothing is interpolated."""
         return self.entries.get(instance("criterion", criterion, Criterion, "give a Criterion"))
 
     def __iter__(self) -> Iterator[Reference]:
@@ -102,7 +102,7 @@ def parse_references(document: Mapping[str, Any]) -> ReferenceTable:
     Raises
     ------
     ValueError
-        If the schema differs, a field is missing, a value is no probability, or two rows answer
+        If the schema differs, a field is missing, a value is not a probability, or two rows answer
         the same criterion.
     """
     if document.get("schema") != SCHEMA:

@@ -20,7 +20,7 @@ _NO_ARRAYS = (str, bytes, bytearray, memoryview, Mapping, Set, Iterator)
 
 
 class ResponseError(TypeError):
-    """What a model gave back holds something that is no number."""
+    """What a model gave back holds something that is not a number."""
 
 
 def numbers_in(returned: Any) -> FloatArray:
@@ -33,8 +33,8 @@ def numbers_in(returned: Any) -> FloatArray:
     Raises
     ------
     ResponseError
-        If something is no number: text (also "1.5"), a bool, date, time span or record, a mapping,
-        set or generator, lists of different lengths.
+        If something is not a number: text (also "1.5"), a bool, date, time span or record, a
+        mapping, set or generator, lists of different lengths.
     """
     if isinstance(returned, _NO_ARRAYS):
         raise _refused(f"a {type(returned).__name__}")
@@ -43,7 +43,7 @@ def numbers_in(returned: Any) -> FloatArray:
     except ResponseError:
         raise
     except (ValueError, TypeError) as error:
-        raise _refused(f"a {type(returned).__name__} that is no array ({error})") from error
+        raise _refused(f"a {type(returned).__name__} that is not an array ({error})") from error
     y = _as_floats(np.asarray(given))
     if isinstance(given, np.ma.MaskedArray):
         y = np.where(np.ma.getmaskarray(given), np.nan, y)
@@ -56,7 +56,7 @@ def one_number(returned: Any) -> float:
     Raises
     ------
     ResponseError
-        If it is no number.
+        If it is not a number.
     ValueError
         If it is more or less than one number.
     """
@@ -112,7 +112,7 @@ def _is_infinite(item: Any) -> bool:
 
 
 def _listed(returned: Any) -> Any:
-    """Return lists with what NumPy would lose in them: masks, and that a bool is no number."""
+    """Return lists with what NumPy would lose in them: masks, and that a bool is not a number."""
     if isinstance(returned, np.ma.MaskedArray) or not isinstance(returned, list | tuple):
         return returned
     kinds = {type(one) for one in returned}
@@ -127,6 +127,6 @@ def _listed(returned: Any) -> Any:
 
 def _refused(what: str) -> ResponseError:
     return ResponseError(
-        f"it returned {what}, which is no number: return real numbers, NaN for a failed run and "
+        f"it returned {what}, which is not a number: return real numbers, NaN for a failed run and "
         "infinity for one that fails every criterion"
     )

@@ -39,7 +39,7 @@ DEFAULT_TAU = (None, 16.0)
 
 
 def series() -> Problem:
-    """Give the mathematical series system of Example 1.
+    """Return the mathematical series system of Example 1.
 
     Returns
     -------

@@ -14,7 +14,7 @@ def centre_of(y: FloatArray) -> float:
     Raises
     ------
     ValueError
-        If the responses scatter by so little or so much that squares are no numbers any more.
+        If the responses scatter by so little or so much that squares are not finite any more.
     """
     least, most = float(y.min()), float(y.max())
     if least == most:

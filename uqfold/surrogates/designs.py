@@ -34,7 +34,7 @@ def checked_spread(name: str, spread: float) -> float:
 def space_filling_design(
     size: int, dimension: int, rng: np.random.Generator, spread: float = DEFAULT_SPREAD
 ) -> FloatArray:
-    """Give a scrambled Sobol' sequence as normal points of a wider spread, the origin first.
+    """Return a scrambled Sobol' sequence as normal points of a wider spread, the origin first.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from uqfold.typing import FloatArray, IntArray
 
 
 def total_degree_indices(dimension: int, degree: int) -> IntArray:
-    """Give all multi-indices (P, d) of total degree up to `degree`, lowest degree first.
+    """Return all multi-indices (P, d) of total degree up to `degree`, lowest degree first.
 
     Raises
     ------

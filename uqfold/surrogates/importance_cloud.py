@@ -251,7 +251,7 @@ def _fitted(u: FloatArray, importance: FloatArray, rng: np.random.Generator) -> 
 
 
 def resampled(importance: FloatArray, size: int, rng: np.random.Generator) -> Any:
-    """Give `size` indices drawn in proportion to `importance` (N,), by systematic resampling."""
+    """Return `size` indices drawn in proportion to `importance` (N,), by systematic resampling."""
     edges = np.cumsum(importance)
     positions = (rng.random() + np.arange(size)) / size * edges[-1]
     return np.minimum(np.searchsorted(edges, positions), importance.size - 1)

@@ -37,7 +37,7 @@ class KernelFits:
     _known: dict[Kernel, GaussianProcess] = field(default_factory=dict)
 
     def fit(self, u: FloatArray, y: FloatArray) -> GaussianProcess:
-        """Give the process that predicts left-out runs best; overconfident ones come last.
+        """Return the process that predicts left-out runs best; overconfident ones come last.
 
         Parameters
         ----------

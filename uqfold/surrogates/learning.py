@@ -96,7 +96,7 @@ class Candidates:
 
 
 def u_function(mean: FloatArray, std: FloatArray, levels: FloatArray) -> FloatArray:
-    """Give U (M,): standard deviations between the mean and the nearest level; small is near."""
+    """Return U (M,): standard deviations between the mean and the nearest level; small is near."""
     if levels.size == 0:
         return np.full(mean.shape, np.inf)
     distance = np.abs(mean[:, None] - levels).min(axis=1)

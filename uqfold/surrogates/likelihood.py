@@ -101,7 +101,7 @@ class Starts:
     dimension: int
 
     def draw(self, count: int) -> list[Hyperparameters]:
-        """Give `count` starts: a smooth one, then random ones."""
+        """Return `count` starts: a smooth one, then random ones."""
         starts = [Hyperparameters(np.full(self.dimension, 3.0), 1.0, 1e-6)]
         for _ in range(count - 1):
             spread = np.exp(self.rng.uniform(math.log(0.7), math.log(20.0), self.dimension))

@@ -102,7 +102,7 @@ class PolynomialChaosExpansion:
         """Draw whole surfaces that the residuals allow.
 
         Each has coefficients drawn from their distribution, and on top what an expansion may
-        leave out, which is no noise that averages away: a smooth random field as large as the
+        leave out, which is not noise that averages away: a smooth random field as large as the
         leave-one-out residuals, and random polynomials of the next degree, just as large over the
         design, which grow into the tails. These mix the variables as the response does: a function
         of one direction with the same Sobol' indices would have multinomial shares.
@@ -141,7 +141,7 @@ class PolynomialChaosExpansion:
         return SobolIndices(main=share @ alone, total=share @ active)
 
     def to_chaospy(self, names: Sequence[str] | None = None) -> Any:
-        """Give the expansion as a chaospy polynomial of independent standard-normal variables.
+        """Return the expansion as a chaospy polynomial of independent standard-normal variables.
 
         Parameters
         ----------

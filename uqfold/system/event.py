@@ -64,7 +64,7 @@ def mission_fails(
 
     A mission works when every response is at most T and, under a synchronization threshold, the
     largest and the smallest lie at most tau apart; equality works. A response of +inf always
-    fails, whatever T is; under tau any infinite response fails (inf - inf is no agreement).
+    fails, whatever T is; under tau any infinite response fails (inf - inf is not agreement).
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ class SystemEvent:
         return bounds[0], bounds[1]
 
     def _inputs(self, u: FloatArray, flown: BoolArray) -> FloatArray:
-        """Give the inputs X (k n, d) of the k missions that are flown, sample by sample."""
+        """Return the inputs X (k n, d) of the k missions that are flown, sample by sample."""
         inputs, units = self.problem.inputs, self.problem.n_units
         sample, mission = np.nonzero(flown)
         end = inputs.n_shared + flown.shape[1] * units * inputs.n_individual

@@ -90,7 +90,7 @@ class Need:
     errors: tuple[float, ...]
 
     def together(self, other: Need) -> Need:
-        """Give what meets both needs."""
+        """Return what meets both needs."""
         size = max(self.level, other.level) + 1
         # beyond what one of them was refined to, its error is the last one
         mine = (*self.errors, *[self.errors[-1]] * (size - len(self.errors)))
@@ -98,13 +98,13 @@ class Need:
         return Need(size - 1, tuple(max(pair) for pair in zip(mine, others, strict=True)))
 
     def at_least(self, level: int) -> Need:
-        """Give a rule at least as fine as a rung, because coarser ones are known to be bad."""
+        """Return a rule at least as fine as a rung, because coarser ones are known to be bad."""
         if self.level >= level:
             return self
         return Need(level, (*(1.0,) * level, self.errors[-1]))
 
     def finer(self) -> Need:
-        """Give the next finer rule; the smallest ones are exact for what they are chosen for."""
+        """Return the next finer rule; the smallest ones are exact for what they are chosen for."""
         if self.level < len(GAUSS) - 1 or self.level + 1 >= len(LADDER):
             return self
         return Need(self.level + 1, (*self.errors, self.errors[-1]))

@@ -75,7 +75,7 @@ class SurfaceRule:
     def responses(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
     ) -> list[ConditionalResponse]:
-        """Give one conditional response per shared node; see `LineRule.response`.
+        """Return one conditional response per shared node; see `LineRule.response`.
 
         Parameters
         ----------

@@ -73,7 +73,7 @@ def mission_probability(
         raise ValueError(f"units = {units}: a system needs at least one unit")
     thresholds = np.atleast_1d(np.asarray(thresholds, dtype=float))
     if np.isnan(thresholds).any():
-        raise ValueError(f"thresholds {thresholds}: NaN is no threshold")
+        raise ValueError(f"thresholds {thresholds}: NaN is not a threshold")
     if tau is not None and not tau >= 0:
         raise ValueError(f"tau = {tau}: give a synchronization threshold >= 0, or None for none")
     if tau is None:
