@@ -46,7 +46,7 @@ CONDITIONAL = "conditional"
 
 
 @dataclass(frozen=True)
-class _View:
+class _Ordering:
     """The inputs in one order of the transformation, and what is read off it.
 
     Attributes
@@ -171,7 +171,7 @@ class _Read:
         self._total = np.full(d, np.nan)
         self.both: FloatArray = np.empty(0)
 
-    def off(self, view: _View, y: FloatArray) -> None:
+    def off(self, view: _Ordering, y: FloatArray) -> None:
         """Read what one view tells."""
         table = y.reshape(view.points, -1)
         if not self.both.size:
@@ -189,11 +189,11 @@ class _Read:
         return np.concatenate([self._main, self._total])
 
 
-def _views(inputs: JointInputs) -> Iterator[_View]:
+def _views(inputs: JointInputs) -> Iterator[_Ordering]:
     """Orders in which each input is once the first and once the last of its dependent part."""
     parts = [part.columns for part in inputs.parts.dependent]
     linked = {column for part in parts for column in part}
-    first = _View(inputs, tuple(range(inputs.dimension)))
+    first = _Ordering(inputs, tuple(range(inputs.dimension)))
     for i in range(inputs.dimension):
         if i not in linked:
             first.read((i,), i, i)
@@ -209,7 +209,7 @@ def _views(inputs: JointInputs) -> Iterator[_View]:
         for part in turned:
             for place, column in enumerate(part):
                 order[column] = part[(place + turn) % len(part)]
-        view = _View(inputs.in_order(order), tuple(order))
+        view = _Ordering(inputs.in_order(order), tuple(order))
         for part in turned:
             view.read((part[0],), order[part[0]], None)
             view.read((part[-1],), None, order[part[-1]])

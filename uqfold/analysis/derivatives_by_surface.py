@@ -1,4 +1,4 @@
-"""Derivatives of pf from one fitted response surface, without further model runs.
+"""Derivatives of pf from one fitted response surface, without further evaluations.
 
 A moved mean or standard deviation maps the standard-normal space to other inputs, and so moves
 the surface over it. The reliability index is found on the same points with the parameter a step up
@@ -83,7 +83,7 @@ def surface_derivatives(
     ValueError, TypeError
         For wrong arguments.
     NoSurfaceError
-        If the model runs allow no surface.
+        If the evaluations allow no surface.
     """
     started = time.perf_counter()
     asked = checked_criteria(problem, criteria)

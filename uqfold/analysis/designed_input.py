@@ -1,6 +1,6 @@
 """The smallest or largest mean (or standard deviation) of an input that meets a target.
 
-With a response surface one set of model runs serves the whole range: it is fitted with the input
+With a response surface one set of evaluations serves the whole range: it is fitted with the input
 spread so widely that it covers every value in the range, and asked for the distribution at each of
 them. Any other method is run at each value, with the same seed.
 """
@@ -43,7 +43,7 @@ _STREAM = 13
 
 
 @dataclass(frozen=True)
-class _Question:
+class _DesignTask:
     """What is designed: one moment of one input, between two values."""
 
     problem: Problem
@@ -112,7 +112,7 @@ def design_input(
     points
         Values in the range, from 5 to 10,000; None: 17 on a surface, 9 with any other method.
     max_evals
-        Most model runs, of all values together.
+        Most evaluations, of all values together.
     rng, evaluator
         As in `ReliabilityMethod.estimate`.
 
@@ -126,7 +126,7 @@ def design_input(
     ValueError, TypeError
         For wrong arguments, before any run is spent.
     NoSurfaceError
-        If the model runs allow no surface.
+        If the evaluations allow no surface.
     """
     started = time.perf_counter()
     checked_problem(problem)
@@ -141,7 +141,7 @@ def design_input(
     if size is None:
         size = _SURFACE_POINTS if on_surface else _METHOD_POINTS
     budget = checked_budget(max_evals)
-    question = _Question(problem, criterion, input, moment, ends)
+    question = _DesignTask(problem, criterion, input, moment, ends)
     for end in ends:
         question.place(end)  # refuses moments that the distribution cannot have
     values = np.linspace(*ends, size)
@@ -186,7 +186,7 @@ def design_input(
 
 
 def _on_surface(
-    question: _Question,
+    question: _DesignTask,
     method: Kriging | PolynomialChaos,
     values: FloatArray,
     max_evals: int | None,

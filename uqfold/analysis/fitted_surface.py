@@ -2,7 +2,7 @@
 
 A surface over the standard-normal space of the inputs it was fitted with is as good for other
 distributions of the same inputs: their standard-normal variables are mapped to input values, and
-these back to the variables of the surface. No model run is needed.
+these back to the variables of the surface. No evaluation of the model is needed.
 """
 
 from __future__ import annotations

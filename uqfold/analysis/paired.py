@@ -94,7 +94,7 @@ class PairedDifferences:
     changed
         Name of the input whose distributions differ.
     n_evals
-        Model runs of both problems.
+        Evaluations of both problems.
     seed
         The seed that repeats the run.
     """

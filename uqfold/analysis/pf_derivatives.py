@@ -138,7 +138,7 @@ class PfDerivatives:
     rows
         One `PfDerivative` each.
     n_evals, n_reused, n_failed
-        Model runs behind them, how many came from a store, how many failed.
+        Evaluations behind them, how many came from a store, how many failed.
     seconds, seed
         Wall time (s), and the seed that repeats the run.
     """

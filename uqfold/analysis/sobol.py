@@ -101,7 +101,7 @@ class SobolIndices:
     mean, std
         Mean and standard deviation of the response, in its unit.
     n_evals, n_reused
-        Model runs behind them, and how many came from a store.
+        Evaluations behind them, and how many came from a store.
     seconds, seed
         Wall time (s), and the seed that repeats the run.
     """
@@ -218,7 +218,7 @@ def chaos_sobol(
     Raises
     ------
     NoSurfaceError
-        If the model runs allow no expansion.
+        If the evaluations allow no expansion.
     """
     started = time.perf_counter()
     warn_of_order(checked_problem(problem).inputs)

@@ -104,7 +104,7 @@ class ActiveKriging(SequentialMethod):
     Attributes
     ----------
     runs
-        Most model runs, control runs included; fewer if the budget allows fewer. More than
+        Most evaluations, control runs included; fewer if the budget allows fewer. More than
         1,000 are `unsupported`.
     initial
         Runs of the first design; None: three for each input, at least 12. Never fewer than a

@@ -1,4 +1,4 @@
-"""When active learning may stop: answers that stay, and model runs that confirm the surface.
+"""When active learning may stop: answers that stay, and evaluations that confirm the surface.
 
 A surrogate that has missed a failure region, or trusts itself too much, gives answers that are
 stable and wrong. So stability alone never ends the loop: some runs are made that the surrogate
@@ -69,7 +69,7 @@ class Stability:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """Model runs kept out of the training set, against what the surrogate had foretold.
+    """Evaluations kept out of the training set, against what the surrogate had foretold.
 
     Attributes
     ----------

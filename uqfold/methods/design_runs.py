@@ -23,7 +23,7 @@ _BLOCK = 8192
 
 @dataclass(frozen=True, eq=False)
 class DesignRuns:
-    """Model runs at the points of a design.
+    """Evaluations at the points of a design.
 
     Attributes
     ----------

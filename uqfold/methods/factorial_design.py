@@ -114,7 +114,7 @@ def checked_nodes(name: str, nodes: Any) -> Nodes:
 
 
 def design_size(inputs: JointInputs, shared: Nodes, individual: Nodes) -> int:
-    """Count the nodes of the design, that is its model runs."""
+    """Count the nodes of the design, that is its evaluations."""
     return math.prod(counts_per_input(inputs, shared, individual))
 
 

@@ -46,7 +46,7 @@ class FFNIPearson(ReliabilityMethod):
     ----------
     nodes_shared, nodes_individual
         Nodes per shared and per individual input: one number for all, or a tuple. The product
-        of all of them is the number of model runs.
+        of all of them is the number of evaluations.
     family
         ``pearson``, or ``normal`` for the two-moment distribution of earlier work (the paper's
         reference 32).

@@ -41,7 +41,7 @@ class FFNISaddlepoint(ReliabilityMethod):
     ----------
     nodes_shared, nodes_individual
         Nodes per shared and per individual input: one number for all, or a tuple. The product
-        of all of them is the number of model runs.
+        of all of them is the number of evaluations.
 
     Raises
     ------

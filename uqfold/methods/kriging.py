@@ -66,7 +66,7 @@ class Kriging(SequentialMethod):
     Attributes
     ----------
     runs
-        Model runs; fewer if the budget allows fewer. More than 2,000 are `unsupported`.
+        Evaluations; fewer if the budget allows fewer. More than 2,000 are `unsupported`.
     trend
         ``constant``, ``linear`` or ``quadratic`` polynomial, or ``pce``: the polynomials that a
         sparse polynomial chaos expansion picks; ``best``: the better of the last two.

@@ -22,7 +22,7 @@ from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import DEFAULT_SPREAD, checked_spread, space_filling_design
 from uqfold.surrogates.polynomial_chaos import (
     PolynomialChaosExpansion,
-    SobolIndices,
+    VarianceShares,
     fit_basis,
     fit_polynomial_chaos,
 )
@@ -49,7 +49,7 @@ class PolynomialChaosDetails:
     """
 
     surface: PolynomialChaosExpansion
-    sobol_indices: SobolIndices
+    sobol_indices: VarianceShares
     cross_validation: LeaveOneOut
     relative_error: float
 
@@ -67,7 +67,7 @@ class PolynomialChaos(SequentialMethod):
     Attributes
     ----------
     runs
-        Model runs of the space-filling design; fewer if the budget allows fewer.
+        Evaluations of the space-filling design; fewer if the budget allows fewer.
     sparse
         Whether least-angle regression may leave polynomials out, or all up to the degree stay.
     max_degree

@@ -96,7 +96,7 @@ class CriterionResult:
     beta
         Generalised reliability index -Phi^-1(pf).
     n_evals, n_reused, n_failed
-        Model runs of the whole estimate, how many of them came from a store, how many failed.
+        Evaluations of the whole estimate, how many of them came from a store, how many failed.
     seconds
         Wall time of the whole estimate (s).
     """
@@ -171,7 +171,7 @@ class ReliabilityResult:
 
     @property
     def n_evals(self) -> int:
-        """Model runs of the whole estimate."""
+        """Evaluations of the whole estimate."""
         return self.rows[0].n_evals
 
     @property

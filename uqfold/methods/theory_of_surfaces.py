@@ -17,7 +17,7 @@ _CONDITIONAL = Equation(
 
 KRIGING = Theory(
     summary=(
-        "A Gaussian process with a polynomial trend and learned noise is fitted to model runs at "
+        "A Gaussian process with a polynomial trend and learned noise is fitted to evaluations at "
         "a space-filling design in standard-normal space, spread wider than the inputs. The "
         "conditional distributions follow by integration over the surface, without sampling. "
         "Surfaces drawn from the posterior give the stated error; it covers the fit, not a "

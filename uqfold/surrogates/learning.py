@@ -1,4 +1,4 @@
-"""Learning functions: where the next model runs teach most about the failure probabilities.
+"""Learning functions: where the next evaluations teach most about the failure probabilities.
 
 ``u`` and ``eff`` look at one point at a time and know levels only; ``variance`` asks how much a
 run would reduce the posterior variance of the failure probabilities themselves, all criteria and

@@ -39,7 +39,7 @@ _OMITTED, _MOST_OMITTED = 200, 100_000
 
 
 @dataclass(frozen=True)
-class SobolIndices:
+class VarianceShares:
     """Shares of the response's variance, each (d,): by an input alone, and with interactions."""
 
     main: FloatArray
@@ -133,12 +133,12 @@ class PolynomialChaosExpansion:
             field=field.scaled(error),
         )
 
-    def sobol_indices(self) -> SobolIndices:
+    def sobol_indices(self) -> VarianceShares:
         """Sobol' indices of all inputs; NaN for a response that does not vary."""
         share = self.coefficients**2 / (self.variance or math.nan)
         active = self.indices > 0
         alone = active & (active.sum(axis=1) == 1)[:, None]
-        return SobolIndices(main=share @ alone, total=share @ active)
+        return VarianceShares(main=share @ alone, total=share @ active)
 
     def to_chaospy(self, names: Sequence[str] | None = None) -> Any:
         """Return the expansion as a chaospy polynomial of independent standard-normal variables.

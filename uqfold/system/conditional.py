@@ -49,9 +49,9 @@ class SystemProbability:
     Attributes
     ----------
     pf, reliability
-        With failed model runs counted as failing.
+        With failed runs counted as failing.
     pf_low, pf_high
-        Bounds on pf: units whose model run failed are ignored, or all fail. Both equal pf if no
+        Bounds on pf: units whose run failed are ignored, or all fail. Both equal pf if no
         run failed.
     """
 

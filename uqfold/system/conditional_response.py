@@ -1,4 +1,4 @@
-"""What one unit does while the shared inputs are held fixed, failed model runs included."""
+"""What one unit does while the shared inputs are held fixed, failed runs included."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ConditionalResponse:
         Probability of -inf: works by itself, but fails under a synchronization threshold, since
         its difference to any other unit is infinite (or undefined).
     p_missing
-        Probability mass of failed model runs, whose response is unknown.
+        Probability mass of failed runs, whose response is unknown.
     """
 
     distribution: ConditionalDistribution | None

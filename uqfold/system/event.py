@@ -171,7 +171,7 @@ class SystemEvent:
 
     @property
     def max_evals_per_sample(self) -> int:
-        """Most model runs that one sample can cost: n for each mission that can occur."""
+        """Most evaluations that one sample can cost: n for each mission that can occur."""
         return self.problem.n_units * self.criterion.max_missions
 
     def missions(self, u: FloatArray) -> IntArray:
@@ -182,7 +182,7 @@ class SystemEvent:
         return np.searchsorted(self._mission_bounds, u[:, -1], side="left").astype(np.int64)
 
     def evals(self, u: FloatArray) -> IntArray:
-        """Count the model runs (N,) that `margin` spends on each sample u (N, dimension)."""
+        """Count the evaluations (N,) that `margin` spends on each sample u (N, dimension)."""
         return self.problem.n_units * self.missions(u)
 
     def margin(self, u: FloatArray, evaluate: Callable[[FloatArray], FloatArray]) -> FloatArray:

@@ -14,7 +14,7 @@ threshold, s for one that spreads or closes a mission. Without tau, J = H(T)^(n-
 Several missions multiply by the derivative of `over_missions`.
 
 This is what a surrogate has to know: where the product of this influence and of its own
-uncertainty is large, another model run teaches most. The accuracy is that of a trapezoidal rule
+uncertainty is large, another evaluation teaches most. The accuracy is that of a trapezoidal rule
 over the distribution's own panels, enough to say where a surface matters; answers come from
 `conditional`.
 """

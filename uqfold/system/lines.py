@@ -26,7 +26,7 @@ REACH = 8.5
 """Lines end at this many standard deviations, where 1e-17 of the probability is left."""
 
 FINITE, NEVER, ALWAYS, MISSING = 0, 1, 2, 3
-"""Outcomes at a point: a finite response, +inf, -inf, and a failed model run."""
+"""Outcomes at a point: a finite response, +inf, -inf, and a failed run."""
 
 Distribution = TabulatedDistribution | AtomicDistribution | NormalDistribution
 

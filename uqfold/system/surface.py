@@ -104,7 +104,7 @@ class SurfaceSystem:
         criteria
             The questions.
         outcomes
-            Where responses are infinite or model runs fail; None: nowhere.
+            Where responses are infinite or runs fail; None: nowhere.
         noise
             Standard deviation of an independent normal disturbance of every response.
 

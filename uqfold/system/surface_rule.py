@@ -111,7 +111,7 @@ class SurfacePlan:
     along: Need
 
     def for_outcomes(self) -> SurfacePlan:
-        """Plan for a surface with holes, where responses are infinite or model runs fail.
+        """Plan for a surface with holes, where responses are infinite or runs fail.
 
         Their borders have nothing to do with the surface and its directions.
         """

@@ -34,9 +34,9 @@ class MissionProbability:
     Attributes
     ----------
     failure, success
-        With failed model runs counted as failing.
+        With failed runs counted as failing.
     failure_low, success_low
-        With failed model runs ignored: a unit without an answer is left out of the mission.
+        With failed runs ignored: a unit without an answer is left out of the mission.
     """
 
     failure: FloatArray
