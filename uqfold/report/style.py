@@ -1,66 +1,27 @@
-"""Colours and markers of methods, the same in every figure, and readable without colour vision.
+"""Styles of words on a terminal; those of figures have moved to `uqfold.plots.style`."""
 
-Colours are those of Okabe and Ito, without black, which is the reference; every method also has a
-marker of its own.
-
-References
-----------
-Okabe M, Ito K. Color universal design: how to make figures and presentations that are friendly to
-colorblind people. University of Tokyo, 2008.
-"""
-
-from __future__ import annotations
-
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import count
-from typing import Any
-
-
-@dataclass(frozen=True)
-class MethodStyle:
-    """Colour and marker of one method."""
-
-    color: str
-    marker: str
-
-    @property
-    def pale(self) -> tuple[float, float, float]:
-        """The colour mixed with white, for large areas."""
-        from matplotlib.colors import to_rgb
-
-        red, green, blue = (1.0 - 0.3 * (1.0 - part) for part in to_rgb(self.color))
-        return red, green, blue
-
-
-_FIXED = {
-    "ffni-spa": MethodStyle("#0072B2", "o"),
-    "ffni-pearson": MethodStyle("#D55E00", "s"),
-    "kriging": MethodStyle("#56B4E9", "P"),
-    "pce": MethodStyle("#882255", "<"),
-    "ak-mcs": MethodStyle("#7F6A00", "X"),
-    "mc": MethodStyle("#009E73", "^"),
-    "conditional-mc": MethodStyle("#332288", "*"),
-    "openturns-form": MethodStyle("#CC79A7", "D"),
-    "openturns-mc": MethodStyle("#E69F00", "v"),
-}
-FURTHER_STYLES = (
-    MethodStyle("#5D3A9B", ">"),
-    MethodStyle("#117733", "p"),
-    MethodStyle("#8C510A", "h"),
-    MethodStyle("#44AA99", "d"),
-    MethodStyle("#AA4499", "H"),
-    MethodStyle("#666666", "8"),
+from uqfold.plots.style import (
+    BAND_COLOR,
+    COLUMN_INCHES,
+    FURTHER_STYLES,
+    REFERENCE_LINE,
+    MethodStyle,
+    figure_settings,
+    method_styles,
+    shades,
 )
 
-_CURVE_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
-
-COLUMN_INCHES = 3.5
-"""Width of a column of print."""
-
-REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-BAND_COLOR = "#D9D9D9"
+__all__ = [
+    "BAND_COLOR",
+    "COLUMN_INCHES",
+    "FURTHER_STYLES",
+    "REFERENCE_LINE",
+    "STATUS_STYLES",
+    "MethodStyle",
+    "figure_settings",
+    "method_styles",
+    "shades",
+]
 
 STATUS_STYLES = {
     "converged": "green",
@@ -71,77 +32,3 @@ STATUS_STYLES = {
     "failed": "bold red",
 }
 """Status -> style on a terminal."""
-
-FIGURE_SETTINGS: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.labelsize": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#E6E6E6",
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 4.5,
-    "savefig.dpi": 160,
-    # the same records give the same SVG file
-    "svg.hashsalt": "uqfold",
-}
-"""Matplotlib settings under which every figure is drawn and written."""
-
-
-@contextmanager
-def figure_settings() -> Iterator[None]:
-    """Apply `FIGURE_SETTINGS` for a while; the caller's own settings come back afterwards."""
-    import matplotlib as mpl
-
-    with mpl.rc_context(FIGURE_SETTINGS):
-        yield
-
-
-def _turned(turn: int) -> Iterator[MethodStyle]:
-    """Give the further styles with their markers passed on by so many places."""
-    for i, style in enumerate(FURTHER_STYLES):
-        yield MethodStyle(style.color, FURTHER_STYLES[(i + turn) % len(FURTHER_STYLES)].marker)
-
-
-def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
-    """Give each label its colour and marker.
-
-    The built-in methods always have theirs; other labels take the further ones in turn, in the
-    order given, and then the same colours with other markers.
-    """
-    further = (style for turn in count() for style in _turned(turn))
-    return {label: _FIXED.get(label) or next(further) for label in labels}
-
-
-def shades(style: MethodStyle, count: int, *, own_markers: bool) -> list[MethodStyle]:
-    """Give several curves of one method their looks: its colour from dark to light.
-
-    Parameters
-    ----------
-    style
-        The method's own.
-    count
-        How many curves.
-    own_markers
-        Whether each has another marker; otherwise all have the method's.
-    """
-    from matplotlib.colors import to_hex, to_rgb
-
-    if count == 1:
-        return [style]
-    looks = []
-    for i in range(count):
-        # -1 darkest, +1 lightest
-        level = 2.0 * i / (count - 1) - 1.0
-        target, weight = (1.0, 0.5 * level) if level > 0.0 else (0.0, -0.55 * level)
-        red, green, blue = (part + weight * (target - part) for part in to_rgb(style.color))
-        color = to_hex((red, green, blue))
-        marker = _CURVE_MARKERS[i % len(_CURVE_MARKERS)] if own_markers else style.marker
-        looks.append(MethodStyle(color, marker))
-    return looks

@@ -18,6 +18,10 @@ class Element:
         own = [one for child in self.children for one in child.all(tag)]
         return [*([self] if self.tag == tag else []), *own]
 
+    def walk(self) -> list["Element"]:
+        """This element and every one below it."""
+        return [self, *(one for child in self.children for one in child.walk())]
+
     @property
     def words(self) -> str:
         """All text below, in order of appearance, without style and script."""

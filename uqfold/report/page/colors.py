@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from colorsys import hls_to_rgb, rgb_to_hls
 
 LIGHT_PAPER, DARK_PAPER = "#ffffff", "#14171a"
 LEAST_CONTRAST = 3.2
@@ -10,6 +11,10 @@ LEAST_CONTRAST = 3.2
 
 _HEXADECIMAL = re.compile(r"#[0-9a-fA-F]{6}")
 _STEPS = 50
+_PALE = 1.6
+"""Contrast with light paper below which a colour is one of areas and grids."""
+_DARKEST, _LIGHTEST = 0.1, 0.92
+"""Lightness on dark paper of what is white and black on light paper."""
 
 
 def readable(color: str, paper: str) -> str:
@@ -27,13 +32,35 @@ def readable(color: str, paper: str) -> str:
         mixed = tuple((1.0 - share) * value + share * end for value in own)
         if contrast(mixed, ground) >= LEAST_CONTRAST:
             break
-    return "#" + "".join(f"{round(255.0 * value):02x}" for value in mixed)
+    return _written(mixed)
+
+
+def by_day(color: str) -> str:
+    """Return a colour of a figure as it is drawn on light paper: pale ones stay pale."""
+    if contrast(_channels(color), _channels(LIGHT_PAPER)) < _PALE:
+        return color
+    return readable(color, LIGHT_PAPER)
+
+
+def by_night(color: str) -> str:
+    """Return a colour of a figure as it is drawn on dark paper: dark and light change places."""
+    if color == "#ffffff":
+        return DARK_PAPER
+    hue, lightness, saturation = rgb_to_hls(*_channels(color))
+    turned = hls_to_rgb(hue, _DARKEST + (_LIGHTEST - _DARKEST) * (1.0 - lightness), saturation)
+    night = _written(turned)
+    pale = contrast(_channels(color), _channels(LIGHT_PAPER)) < _PALE
+    return night if pale else readable(night, DARK_PAPER)
 
 
 def contrast(one: tuple[float, ...], other: tuple[float, ...]) -> float:
     """Contrast ratio of two colours, channels from 0 to 1 (WCAG 2.2)."""
     darker, lighter = sorted((_luminance(one), _luminance(other)))
     return (lighter + 0.05) / (darker + 0.05)
+
+
+def _written(channels: tuple[float, ...]) -> str:
+    return "#" + "".join(f"{round(255.0 * value):02x}" for value in channels)
 
 
 def _channels(color: str) -> tuple[float, ...]:

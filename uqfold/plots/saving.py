@@ -1,0 +1,74 @@
+"""Writing figures to files, and as SVG into pages."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from uqfold.checks import choice, several
+from uqfold.checks import path as checked_path
+from uqfold.plots.style import figure_settings
+from uqfold.writing import replacing
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg", "pdf")
+
+
+def save(
+    figure: Figure, path: str | os.PathLike[str], formats: Iterable[str] = ("png",)
+) -> list[Path]:
+    """Write a figure in each of some formats; each file appears whole or not at all.
+
+    The same figure gives the same file: no date is written.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    path
+        Where to, without a suffix; its folder is made if it is missing.
+    formats
+        Of ``png``, ``svg`` and ``pdf``.
+
+    Returns
+    -------
+    list[pathlib.Path]
+        The files written.
+
+    Raises
+    ------
+    ValueError
+        If a format is none of these.
+    OSError
+        If a file cannot be written.
+    """
+    stem = checked_path("path", path)
+    listed = several("formats", formats, choice, FORMATS)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    written = []
+    for one in listed:
+        # with_suffix would take the end of "pf-0.5" for a suffix
+        file = stem.with_name(f"{stem.name}.{one}")
+        with replacing(file) as stream:
+            _save(figure, stream, one)
+        written.append(file)
+    return written
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure as the text of an SVG file."""
+    stream = io.BytesIO()
+    _save(figure, stream, "svg")
+    return stream.getvalue().decode()
+
+
+def _save(figure: Figure, stream: io.IOBase | object, format: str) -> None:
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    with figure_settings():
+        figure.savefig(stream, format=format, metadata=dates.get(format))  # type: ignore[arg-type]
