@@ -73,7 +73,8 @@ def grid(
 
 def _cell(value: Any, write: Formatter, tones: Mapping[str, Tone]) -> Cell:
     text = write(value)
-    number = float(value) if isinstance(value, Real) and type(value) is not bool else None
+    counts = not isinstance(value, bool) and isinstance(value, Real)
+    number = float(value) if counts else None
     return Cell(text, number, tones.get(text, ""))
 
 
