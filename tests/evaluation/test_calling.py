@@ -278,7 +278,7 @@ def test_nothing_of_a_refused_model_is_stored(tmp_path: Path) -> None:
         (lambda x: [b"1"] * len(x), r"dtype \|S1"),
         (lambda x: (value for value in x[:, 0]), "generator"),
         (lambda x: {"y": x}, "dict"),
-        (lambda x: [[1.0], [1.0, 2.0]], "no array"),
+        (lambda x: [[1.0], [1.0, 2.0]], "not an array"),
         (lambda x: None, "return statement"),
         (lambda x: np.array([print] * len(x)), "builtin_function"),
     ],

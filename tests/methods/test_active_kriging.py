@@ -12,7 +12,7 @@ import openturns as ot
 import pytest
 from scipy import stats
 
-from uqfold.evaluation import Evaluator, session
+from uqfold.evaluation import Evaluator, deadline
 from uqfold.methods import ActiveKriging, CriterionResult, ReliabilityResult
 from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
@@ -191,7 +191,7 @@ def test_ask_and_tell_with_an_interruption_gives_the_answer_of_estimate(tmp_path
 def test_time_limit_ends_the_loop_with_the_runs_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     # a clock that runs while the model does: fits on a slow machine take no time
     clock = [0.0]
-    monkeypatch.setattr(session, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: clock[0]))
 
     def slow(x: FloatArray) -> FloatArray:
         clock[0] += 0.02 * len(x)

@@ -264,7 +264,7 @@ def test_sampling_answers_with_the_rows_drawn_in_time(monkeypatch: pytest.Monkey
     monkeypatch.setattr("uqfold.methods.pearson_sampling._CHUNK_VALUES", 400)
     clock = iter(range(10**9))
     monkeypatch.setattr(
-        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
+        "uqfold.evaluation.deadline.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
     )
     system = LinearNormalSystem()
     evaluator = Evaluator(max_seconds=2_000.0)

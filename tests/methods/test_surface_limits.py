@@ -148,8 +148,8 @@ def test_what_was_fitted_in_time_is_an_answer(
         fitted[0] += 1
         return plain(self)
 
-    monkeypatch.setattr("uqfold.evaluation.session.time", SimpleNamespace(monotonic=now))
-    monkeypatch.setattr("uqfold.evaluation.session.GRACE_SECONDS", 1e6)
+    monkeypatch.setattr("uqfold.evaluation.deadline.time", SimpleNamespace(monotonic=now))
+    monkeypatch.setattr("uqfold.evaluation.deadline.GRACE_SECONDS", 1e6)
     monkeypatch.setattr(GaussianProcess, "leave_one_out", leave_one_out)
     evaluator = Evaluator(max_seconds=150.0 if method.name == "ak-mcs" else 10.0)
     row = method.estimate(SYSTEM.problem(), Criterion(11.0), rng=1, evaluator=evaluator)[0]

@@ -35,7 +35,7 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], dict[str, Any]]:
     """A model that takes one second for each run, by a clock that only it moves."""
     clock = [0.0]
     monkeypatch.setattr(
-        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: clock[0])
+        "uqfold.evaluation.deadline.time", SimpleNamespace(monotonic=lambda: clock[0])
     )
     plain = SYSTEM.problem()
 
@@ -144,7 +144,7 @@ def test_a_limit_holds_in_every_phase(
     """Every time limit holds in every phase: here each look at the clock takes a second."""
     clock = iter(range(10**9))
     monkeypatch.setattr(
-        "uqfold.evaluation.session.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
+        "uqfold.evaluation.deadline.time", SimpleNamespace(monotonic=lambda: float(next(clock)))
     )
     looks = 20.0
     row = method.estimate(

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from uqfold.evaluation import EvaluationSession, FailedRunError
+from uqfold.evaluation import EvaluationSession, FailedRunError, InProcess
 from uqfold.methods import (
     Estimate,
     Kriging,
@@ -33,8 +33,9 @@ HONEST = MonteCarlo(systems=3000)
 
 def meddled(task: Task, change: Callable[[FloatArray], FloatArray]) -> Task:
     """Change the responses of the model before anybody counts or checks them."""
-    session, model = task.session, task.problem.model
-    session._runner = session.executor.open(lambda x: change(np.asarray(model(x))), None)
+    model = task.problem.model
+    spoilt = InProcess().open(lambda x: change(np.asarray(model(x))), None)
+    task.session.pipeline.runner = spoilt
     return task
 
 

@@ -21,7 +21,7 @@ from uqfold.comparison.cases import available_cases, named_case
 from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
-    from uqfold.evaluation.evaluator import FailedRunPolicy
+    from uqfold.evaluation.session import FailedRunPolicy
 
 BATCH_ROWS = 1024
 """Runs in this process between two looks at Ctrl-C; has no influence on any number."""

@@ -195,14 +195,14 @@ class Calls:
 
 
 def is_failed_run(error: BaseException) -> bool:
-    """Whether what a model raises is a failed run: all but Ctrl-C and what a signal means.
+    """Whether what a model raises is a failed run: all but an interrupt and what a signal means.
 
     ``sys.exit()`` in a model is a failed run; raised by a handler of a signal, which may come
     while the model is running, it ends the program.
     """
     if isinstance(error, Exception):
         return True
-    if isinstance(error, KeyboardInterrupt | GeneratorExit):
+    if isinstance(error, KeyboardInterrupt):
         return False
     handlers = {_code(signal.getsignal(one)) for one in signal.valid_signals()} - {None}
     trace = error.__traceback__

@@ -91,6 +91,10 @@ class Dask(Executor):
             self.client.close()
 
 
+class _InterruptedRunError(Exception):
+    """The model raised KeyboardInterrupt."""
+
+
 class _DaskRunner(Runner):
     def __init__(self, client: Any, model: Model) -> None:
         # comes with distributed
@@ -105,7 +109,7 @@ class _DaskRunner(Runner):
             ) from error
         self._client = client
         self.capacity = QUEUED_PER_THREAD
-        self._jobs: dict[Any, tuple[int, FloatArray, Caution]] = {}
+        self._jobs: dict[Any, tuple[Any, FloatArray, Caution]] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._last_seen = time.monotonic()
         self._next_look = 0.0
@@ -115,21 +119,21 @@ class _DaskRunner(Runner):
     def in_flight(self) -> int:
         return len(self._jobs)
 
-    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
         future = self._start(x, caution)
-        self._jobs[future] = number, x, caution
+        self._jobs[future] = batch, x, caution
         # much quicker than asking for the state of all of them
         future.add_done_callback(self._done.put)
 
-    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+    def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         self._look_for_workers()
         try:
             future = self._done.get(timeout=timeout)
         except queue.Empty:
             return None
-        number, x, caution = self._jobs.pop(future)
+        batch, x, caution = self._jobs.pop(future)
         outcome = self._outcome(future)
-        return number, self._row_by_row(x, caution) if outcome is None else outcome
+        return batch, self._row_by_row(x, caution) if outcome is None else outcome
 
     def abandon(self) -> None:
         self._client.cancel(list(self._jobs), force=True)
@@ -150,6 +154,8 @@ class _DaskRunner(Runner):
                 self._look_for_workers()
             except distributed.KilledWorker:
                 return None
+            except _InterruptedRunError:
+                raise KeyboardInterrupt from None
             except Exception as error:
                 # what the model raises is part of an outcome, so this is the cluster's own
                 raise ExecutorError(
@@ -197,7 +203,11 @@ def _unpickled(model: bytes) -> Any:
 
 def _run_pickled(model: bytes, x: FloatArray, caution: Caution) -> Outcome:
     """Run a batch on a worker, which loads the model once only."""
-    return run_batch(_unpickled(model), x, caution)
+    try:
+        return run_batch(_unpickled(model), x, caution)
+    except KeyboardInterrupt as error:
+        # it would end the worker, and the batch would be run again
+        raise _InterruptedRunError from error
 
 
 def _check_answer(cluster: str) -> None:

@@ -7,22 +7,21 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import Literal, get_args
+from typing import get_args
 
 from uqfold.checks import choice, function, instance, keep, or_none, real, whole
+from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.description import UndescribedError
 from uqfold.evaluation.executors import Executor, Futures, InProcess
 from uqfold.evaluation.identity import model_identity
+from uqfold.evaluation.pipeline import Pipeline
 from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.running import RunningEstimate
-from uqfold.evaluation.session import EvaluationSession
-from uqfold.evaluation.shelf import Shelf
+from uqfold.evaluation.session import EvaluationSession, FailedRunPolicy, ProgressCallback
+from uqfold.evaluation.shelf import SMALL_CALL, Shelf
 from uqfold.evaluation.store import Store
 from uqfold.problems.base import Problem
 from uqfold.typing import Model
-
-FailedRunPolicy = Literal["raise", "count-as-failure", "bound"]
-ProgressCallback = Callable[[int, int | None], None]
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ class Evaluator:
         """
         shelf = None
         if isinstance(self.store, Store):
-            shelf = self._shelf(self.store, problem)
+            shelf = _shelf(self.store, problem)
         return self._session(problem.model, problem.inputs.dimension, max_evals, shelf)
 
     def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
@@ -114,24 +113,7 @@ class Evaluator:
     ) -> EvaluationSession:
         """Open the count of responses that come from elsewhere: nothing to run or to store."""
         settings = replace(self, store=None, executor=None, max_seconds=None, seconds_per_run=None)
-        return settings._session(model, dimension, max_evals, None, in_doubt=False)
-
-    def _shelf(self, store: Store, problem: Problem) -> Shelf | None:
-        try:
-            identity = model_identity(problem)
-        except UndescribedError as error:
-            reason = f"what the model of {problem.name!r} holds cannot be told from others: {error}"
-            remedy = (
-                "Make it a frozen dataclass of plain values (field(compare=False) for what has no "
-                "influence on a response), a function, or functools.partial of one"
-            )
-        else:
-            if identity is not None:
-                return Shelf(store, identity)
-            reason = f"problem {problem.name!r} does not state the version of its model"
-            remedy = "Give Problem(version=...), and another one whenever it changes"
-        warnings.warn(f"nothing is stored: {reason}. {remedy}", stacklevel=3)
-        return None
+        return settings._session(model, dimension, max_evals, None, told=True)
 
     def _session(
         self,
@@ -139,12 +121,51 @@ class Evaluator:
         dimension: int,
         max_evals: int | None,
         shelf: Shelf | None,
-        in_doubt: bool = True,
+        told: bool = False,
     ) -> EvaluationSession:
         executor = self.executor
         if not isinstance(executor, Executor):
             executor = _default_executor(model)
-        return EvaluationSession(self, model, dimension, max_evals, executor, shelf, in_doubt)
+        row_by_row = isinstance(model, RowModel)
+
+        def most_rows(n: int) -> int:
+            if self.batch_rows is not None:
+                return self.batch_rows
+            if row_by_row:
+                return 1
+            return executor.small_batch_rows if n <= SMALL_CALL else executor.batch_rows
+
+        runner = executor.open(model, self.seconds_per_run)
+        deadline = Deadline(self.max_seconds)
+        in_doubt = not (row_by_row or told)
+        return EvaluationSession(
+            Pipeline(runner, most_rows, lambda: deadline.left, shelf, in_doubt),
+            deadline,
+            dimension,
+            max_evals,
+            self.failed_runs,
+            self.progress,
+            self.watch,
+        )
+
+
+def _shelf(store: Store, problem: Problem) -> Shelf | None:
+    """Return where the model of a problem has its responses; None, with a warning, if it cannot."""
+    try:
+        identity = model_identity(problem)
+    except UndescribedError as error:
+        reason = f"what the model of {problem.name!r} holds cannot be told from others: {error}"
+        remedy = (
+            "Make it a frozen dataclass of plain values (field(compare=False) for what has no "
+            "influence on a response), a function, or functools.partial of one"
+        )
+    else:
+        if identity is not None:
+            return Shelf(store, identity, row_by_row=isinstance(problem.model, RowModel))
+        reason = f"problem {problem.name!r} does not state the version of its model"
+        remedy = "Give Problem(version=...), and another one whenever it changes"
+    warnings.warn(f"nothing is stored: {reason}. {remedy}", stacklevel=3)
+    return None
 
 
 def _as_store(name: str, value: object) -> Store:

@@ -1,8 +1,8 @@
 """Where batches of model runs are made: in this process, or by any futures executor.
 
-An executor gives a runner for one model. The session submits batches, each under a number, and
-takes their outcomes in whatever order they finish; it puts them back in order itself, so that no
-answer depends on the number of workers or on who was first.
+An executor gives a runner for one model. The pipeline submits batches and takes their outcomes in
+whatever order they finish; it puts them back in order itself, so that no answer depends on the
+number of workers or on who was first.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from types import TracebackType
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from uqfold.checks import instance, or_none, whole
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
@@ -40,11 +40,11 @@ class Runner(ABC):
         """Batches submitted and not yet handed out."""
 
     @abstractmethod
-    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
-        """Take a batch X (n, d); `caution` as in `run_batch`."""
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
+        """Take the rows X (n, d) of a batch; `caution` as in `run_batch`."""
 
     @abstractmethod
-    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+    def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         """Wait for any batch and hand it out; None if there is none within `timeout` seconds."""
 
     @abstractmethod
@@ -105,19 +105,19 @@ class _InProcessRunner(Runner):
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._waiting: deque[tuple[int, FloatArray, Caution]] = deque()
+        self._waiting: deque[tuple[Any, FloatArray, Caution]] = deque()
 
     @property
     def in_flight(self) -> int:
         return len(self._waiting)
 
-    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
-        self._waiting.append((number, x, caution))
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
+        self._waiting.append((batch, x, caution))
 
-    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+    def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         del timeout  # nobody else could look at the clock
-        number, x, caution = self._waiting.popleft()
-        return number, run_batch(self._model, x, caution)
+        batch, x, caution = self._waiting.popleft()
+        return batch, run_batch(self._model, x, caution)
 
     def abandon(self) -> None:
         self._waiting.clear()
@@ -161,45 +161,45 @@ class _FuturesRunner(Runner):
         self.capacity = QUEUED_PER_WORKER * workers
         self._executor = executor
         self._model = model
-        self._numbers: dict[concurrent.futures.Future[Outcome], int] = {}
+        self._batches: dict[concurrent.futures.Future[Outcome], Any] = {}
 
     @property
     def in_flight(self) -> int:
-        return len(self._numbers)
+        return len(self._batches)
 
-    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
         try:
             future = self._executor.submit(run_batch, self._model, x, caution)
         except RuntimeError as error:
             raise self._broken(error) from error
-        self._numbers[future] = number
+        self._batches[future] = batch
 
-    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+    def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         done, _ = concurrent.futures.wait(
-            self._numbers, timeout, return_when=concurrent.futures.FIRST_COMPLETED
+            self._batches, timeout, return_when=concurrent.futures.FIRST_COMPLETED
         )
         if not done:
             return None
-        future = min(done, key=self._numbers.__getitem__)
-        number = self._numbers.pop(future)
+        future = next(one for one in self._batches if one in done)
+        batch = self._batches.pop(future)
         try:
-            return number, future.result()
+            return batch, future.result()
         except (Exception, concurrent.futures.CancelledError) as error:
             # what the model raises is part of an outcome, so this is the executor's own
             raise self._broken(error) from error
 
     def abandon(self) -> None:
-        for future in self._numbers:
+        for future in self._batches:
             future.cancel()
         threads = isinstance(self._executor, concurrent.futures.ThreadPoolExecutor)
         if threads and isinstance(self._model, RowModel):
             # a thread that has taken its row may start the run a moment later
             last = time.monotonic() + STOPPING_SECONDS
-            while left := [future for future in self._numbers if not future.done()]:
+            while left := [future for future in self._batches if not future.done()]:
                 if not self._model.stop() or time.monotonic() > last:
                     break
                 concurrent.futures.wait(left, 0.02)
-        self._numbers.clear()
+        self._batches.clear()
 
     def _broken(self, error: BaseException) -> ExecutorError:
         return ExecutorError(

@@ -12,6 +12,7 @@ import weakref
 from collections import deque
 from itertools import count
 from multiprocessing.connection import wait
+from typing import Any
 
 import numpy as np
 
@@ -108,11 +109,11 @@ class _ProcessesRunner(Runner):
     def in_flight(self) -> int:
         return len(self._queue) + len(self._pool.busy()) + len(self._through)
 
-    def submit(self, number: int, x: FloatArray, caution: Caution) -> None:
-        self._queue.append(Job(number, x, caution, alone=self._limit is not None))
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
+        self._queue.append(Job(batch, x, caution, alone=self._limit is not None))
         self._assign()
 
-    def finished(self, timeout: float) -> tuple[int, Outcome] | None:
+    def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         end = time.monotonic() + timeout
         while not self._through:
             self._assign()
@@ -128,7 +129,7 @@ class _ProcessesRunner(Runner):
             if now >= end and not self._through:
                 return None
         job = self._through.popleft()
-        return job.number, job.outcome()
+        return job.batch, job.outcome()
 
     def abandon(self) -> None:
         self._queue.clear()
@@ -166,6 +167,8 @@ class _ProcessesRunner(Runner):
                 f"a worker process cannot load the model ({content}): define it in a module that "
                 "can be imported"
             )
+        if kind == "interrupt":
+            raise KeyboardInterrupt
         if kind == "ready":
             # importing and compiling are no part of a run's time
             worker.ready = True

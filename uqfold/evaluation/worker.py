@@ -26,7 +26,7 @@ ENDING_SECONDS = 1.0
 class Job:
     """One batch; `alone`: its rows are run one by one, `done` of them are through."""
 
-    number: int
+    batch: Any
     x: FloatArray
     caution: Caution
     alone: bool
@@ -120,6 +120,10 @@ def _serve(line: Connection) -> None:
             else:
                 line.send(("batch", run_batch(model, *content)))
         except (EOFError, BrokenPipeError, ConnectionResetError):
+            return
+        except KeyboardInterrupt:
+            # of the model's own making, since the signal is ignored here
+            line.send(("interrupt", None))
             return
         except Exception as error:
             line.send(("unusable", f"{type(error).__name__}: {error}"))

@@ -306,7 +306,7 @@ class ReliabilityMethod(ABC):
         if isinstance(error, EngineError):
             raise error
         if isinstance(error, FailedRunError):
-            if task.session.settings.failed_runs == "raise":
+            if task.session.failed_runs == "raise":
                 raise error
             message = str(error)
         elif isinstance(error, BudgetExceededError):
@@ -324,7 +324,7 @@ class ReliabilityMethod(ABC):
             return Estimate.without_answer("failed", f"pf = {estimate.pf} is not a probability")
         if estimate.status == "converged" and not estimate.states_an_error:
             estimate = replace(estimate, status="unchecked")
-        if session.n_failed == 0 or session.settings.failed_runs == "count-as-failure":
+        if session.n_failed == 0 or session.failed_runs == "count-as-failure":
             return estimate
         if session.n_failed == session.n_evals:
             return Estimate.without_answer("failed", f"all runs failed; {session.first_failure}")

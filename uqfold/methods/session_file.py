@@ -90,7 +90,7 @@ def header(
         "criteria": [repr(criterion) for criterion in criteria],
         "seed": seed,
         "max_evals": session.max_evals,
-        "failed_runs": session.settings.failed_runs,
+        "failed_runs": session.failed_runs,
     }
 
 

@@ -1,0 +1,240 @@
+"""The way of rows X to their responses y.
+
+A block of rows is split into batches; what the store knows of it is looked up, the model is run on
+the rest, and each batch comes out, in order, when all its responses are there. Several batches may
+be under way in an executor, whose workers finish them in whatever order; nothing that comes out
+depends on that, nor on the size of the batches.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.algebra import program_blas_threads
+from uqfold.evaluation.batch import Caution
+from uqfold.evaluation.errors import BudgetExceededError, ModelError
+from uqfold.evaluation.executors import Runner
+from uqfold.evaluation.shelf import Shelf
+from uqfold.typing import FloatArray, IntArray
+
+WAKE_SECONDS = 0.2
+"""How often a wait for workers looks at the clock and at Ctrl-C."""
+AHEAD = 4
+"""Finished batches that may wait for an earlier one, as a multiple of those under way."""
+LONGEST_SECONDS, LONGEST_SHARE = 1.0, 0.05
+"""A batch under a time limit is to take at most so long, and this share of what is left."""
+GROWTH = 2.0
+"""Nor has it more rows than this multiple of the largest one so far."""
+
+
+@dataclass(eq=False)
+class Batch:
+    """The rows [start, stop) of a block X (n, d) -> y (n,), where `y` is NaN until it is known.
+
+    Attributes
+    ----------
+    x, y
+        The whole block.
+    start, stop
+        Which part of it is there when the batch is done.
+    asked
+        The rows of that part that the model is run on; the store knows the others.
+    full
+        Whether it ends where a batch without a time limit would end.
+    reason
+        What the first failed run raised; empty if none raised.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    start: int
+    stop: int
+    asked: IntArray
+    full: bool
+    reason: str = ""
+    done: bool = False
+
+    @property
+    def is_last(self) -> bool:
+        """Whether its block is complete with it."""
+        return self.stop == self.y.size
+
+
+class BatchSize:
+    """How many rows the model is run on at once.
+
+    Nobody can stop a call of the model, so that with a limit on time a call must be short: the
+    first has one row, and the time that runs took decides on the next.
+
+    Parameters
+    ----------
+    seconds_left
+        Tells how much time there is, infinite without a limit.
+    """
+
+    def __init__(self, seconds_left: Callable[[], float]) -> None:
+        self._seconds_left = seconds_left
+        self._rows = 1.0
+        self._seconds_per_row = 0.0
+
+    def rows(self, most: int) -> int:
+        """Return the number of rows of the next batch, which may have `most`."""
+        left = self._seconds_left()
+        if math.isinf(left):
+            return most
+        if self._seconds_per_row > 0.0:
+            allowed = min(LONGEST_SECONDS, LONGEST_SHARE * left)
+            self._rows = min(self._rows, allowed / self._seconds_per_row)
+        return max(1, min(most, int(self._rows)))
+
+    def took(self, rows: int, seconds: float) -> None:
+        """Learn from a batch."""
+        self._seconds_per_row = seconds / rows
+        self._rows = max(self._rows, GROWTH * rows)
+
+
+class Pipeline:
+    """Responses of one model, from a store or by running it.
+
+    Parameters
+    ----------
+    runner
+        Where the model is run.
+    most_rows
+        Tells the largest batch of a block with so many rows.
+    seconds_left
+        As for `BatchSize`.
+    shelf
+        Where responses are kept, or None.
+    in_doubt
+        Whether it is still to be found out that the model takes rows: a few of the first are then
+        run again alone, which counts nowhere, and nothing is stored before.
+    """
+
+    def __init__(
+        self,
+        runner: Runner,
+        most_rows: Callable[[int], int],
+        seconds_left: Callable[[], float],
+        shelf: Shelf | None,
+        in_doubt: bool,
+    ) -> None:
+        self.runner = runner
+        self._most_rows = most_rows
+        self._size = BatchSize(seconds_left)
+        self._shelf = shelf
+        self._in_doubt = in_doubt
+        self._in_question: Batch | None = None
+        self._any_good = False
+
+    def batches(
+        self, blocks: Iterable[FloatArray], check: Callable[[], None]
+    ) -> Generator[Batch, None, None]:
+        """Yield the batches of blocks X (n, d), in order, each when it is done.
+
+        Blocks are drawn only as workers need them.
+
+        Parameters
+        ----------
+        blocks
+            May raise BudgetExceededError or ValueError, which is passed on after the batches of
+            the blocks before.
+        check
+            Raises when no more runs are to be started.
+
+        Raises
+        ------
+        ModelError
+            If the model does not take rows, or returns something else than a response for each.
+        EngineError
+            If store or executor fail.
+        """
+        coming = self._split(blocks)
+        queue: deque[Batch] = deque()
+        more, refused = True, None
+        try:
+            while more or queue:
+                if queue and queue[0].done:
+                    yield queue.popleft()
+                elif more and self._has_room(len(queue)):
+                    check()
+                    try:
+                        batch = next(coming, None)
+                    except (BudgetExceededError, ValueError) as error:
+                        batch, refused = None, error
+                    if batch is None:
+                        more = False
+                    else:
+                        self._begin(batch, is_first=not queue)
+                        queue.append(batch)
+                else:
+                    self._wait(check)
+            if refused is not None:
+                raise refused
+        finally:
+            self._end()
+
+    def _split(self, blocks: Iterable[FloatArray]) -> Iterator[Batch]:
+        for x in blocks:
+            n, most = x.shape[0], self._most_rows(x.shape[0])
+            y = np.full(n, np.nan) if self._shelf is None else self._shelf.look_up(x)
+            asked = np.flatnonzero(np.isnan(y))
+            self._any_good = self._any_good or asked.size < n
+            start = taken = 0
+            while True:
+                rows = asked[taken : taken + min(self._size.rows(most), most - taken % most)]
+                taken += rows.size
+                stop = n if taken == asked.size else int(rows[-1]) + 1
+                yield Batch(x, y, start, stop, rows, full=stop == n or taken % most == 0)
+                if stop == n:
+                    break
+                start = stop
+
+    def _has_room(self, n_waiting: int) -> bool:
+        capacity = self.runner.capacity
+        return self.runner.in_flight < capacity and n_waiting < AHEAD * capacity
+
+    def _begin(self, batch: Batch, *, is_first: bool) -> None:
+        """Hand over what is to be run."""
+        if batch.asked.size == 0:
+            batch.done = True
+            return
+        asks = self._in_doubt and self._in_question is None
+        if asks:
+            self._in_question = batch
+        may_give_up = is_first and batch.full and not self._any_good
+        with program_blas_threads():
+            self.runner.submit(batch, batch.x[batch.asked], Caution(may_give_up, asks))
+
+    def _wait(self, check: Callable[[], None]) -> None:
+        """Wait until any batch is done, and keep its responses."""
+        with program_blas_threads():
+            while (found := self.runner.finished(WAKE_SECONDS)) is None:
+                check()
+        batch, outcome = found
+        if outcome.unusable:
+            raise ModelError(outcome.unusable)
+        if batch is self._in_question:
+            self._in_doubt, self._in_question = outcome.in_doubt, None
+        self._size.took(batch.asked.size, outcome.seconds)
+        self._any_good = self._any_good or not np.isnan(outcome.y).all()
+        batch.y[batch.asked] = outcome.y
+        batch.reason, batch.done = outcome.reason, True
+        if self._shelf is not None:
+            if not self._in_doubt:
+                self._shelf.release()
+            # one row alone has the response that it has, whatever the model makes of several
+            hold = self._in_doubt and batch.asked.size > 1
+            self._shelf.keep(batch.x, batch.y, batch.asked, outcome.seconds, hold=hold)
+
+    def _end(self) -> None:
+        self._in_question = None
+        if self.runner.in_flight:
+            self.runner.abandon()
+        if self._shelf is not None:
+            self._shelf.flush()
