@@ -156,11 +156,12 @@ def test_policies_are_applied_to_what_comes_from_the_store(path: Path) -> None:
 
 def test_runs_of_a_cheap_model_do_not_gather_in_memory(path: Path) -> None:
     with Store(path) as store:
-        shelf = Shelf(store, IDENTITY)
+        shelf = Shelf(store, IDENTITY, row_by_row=True)
         x = models.rows(MOST_WAITING)
-        shelf.keep(x[:-1], models.quadratic(x[:-1]), 1, 0.0)
+        y, numbers = models.quadratic(x), np.arange(MOST_WAITING)
+        shelf.keep(x, y, numbers[:-1], 0.0)
         assert len(store) == 0
-        shelf.keep(x[-1:], models.quadratic(x[-1:]), 1, 0.0)
+        shelf.keep(x, y, numbers[-1:], 0.0)
         assert len(store) == MOST_WAITING
 
 

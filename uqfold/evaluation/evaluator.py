@@ -35,9 +35,9 @@ class Evaluator:
         runs as safe, and all as failed. ``count-as-failure``: a failed run has response +inf.
         ``raise``: the first failed run ends the whole estimate with `FailedRunError`.
     batch_rows
-        Rows handed to the model at once, and at most lost when the program is killed. None: 1
-        for a model of one sample at a time, else 4096 in this process, 16 to 256 in workers. A
-        multiple of 64 finds stored runs whatever it was when they were made.
+        Rows handed to the model at once, at most, and lost when the program is killed. None: 1
+        for a model of one sample at a time, else 4096 in this process, 16 to 256 in workers.
+        Under a limit on time fewer, so that a batch takes a small part of what is left.
     progress
         Called with (runs so far, runs expected or None) after every batch.
     watch
@@ -51,7 +51,8 @@ class Evaluator:
         this process; the runs of an `ExternalCode` in as many threads as it asks for.
     max_seconds
         Wall-clock limit of one estimate. Once it is over no more runs are started; methods that
-        can, answer with what they have (status ``budget_exhausted``).
+        can, answer with what they have (status ``budget_exhausted``). A run that was started in
+        this process is finished, however long it takes.
     seconds_per_run
         Time limit of one run, which fails when it takes longer: with `Processes` or an
         `ExternalCode`. What cannot end a run refuses it.
