@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import openturns as ot
+import pandas as pd
 import pytest
 
 import uqfold
@@ -308,6 +309,43 @@ def test_a_masked_entry_is_a_failed_run(model: Any) -> None:
     assert result[0].status == "doubtful"
 
 
+def failing(entry: Any) -> Callable[[np.ndarray], Any]:
+    return lambda x: [entry if one > 3.0 else float(one) for one in x[:, 0]]
+
+
+def failing_sample(entry: Any) -> Any:
+    return per_sample(lambda x: entry if x[0] > 3.0 else float(x[0]))
+
+
+@pytest.mark.parametrize(
+    ("model", "named"),
+    [
+        (masked, "a masked entry"),
+        (lambda x: masked(x).reshape(-1, 1), "a masked entry"),
+        (failing(np.ma.masked), "a masked entry"),
+        (failing_sample(np.ma.masked), "a masked entry"),
+        (failing(None), "None"),
+        (failing_sample(None), "None"),
+        (failing(pd.NA), "<NA>"),
+        (lambda x: pd.Series(failing(None)(x), index=range(9, 9 + len(x)), dtype=object), "None"),
+        (lambda x: np.emath.sqrt(3.0 - x[:, 0]), "a complex number"),
+        (failing_sample(1j), "a complex number"),
+        (failing_sample(10**400), "a number too large for a float"),
+        (failing(math.nan), "NaN"),
+        (failing_sample(math.nan), "NaN"),
+    ],
+)
+def test_a_failed_run_is_told_as_what_the_model_returned(model: Any, named: str) -> None:
+    """A masked entry was told as "returned NaN"."""
+    x = rows(50)
+    place = f"x = [{x[x[:, 0] > 3.0][0, 0]:.6g}, "
+    # the sign of a limit state changes nothing
+    for one in (model, limit_state(model).model):
+        session = opened(one)
+        session.evaluate(x)
+        assert session.first_failure.startswith(f"the model returned {named} at {place}")
+
+
 @pytest.mark.parametrize("shape", [(-1,), (-1, 1)])
 @pytest.mark.parametrize("kind", [int, np.float32, np.float16, ">f8", object, "longdouble"])
 def test_real_numbers_of_any_kind_are_taken(kind: Any, shape: tuple[int, ...]) -> None:
@@ -341,6 +379,49 @@ def test_a_column_of_responses_is_taken_as_openturns_gives_it(model: Any) -> Non
         opened(two).evaluate(x)
 
 
+# Other arguments than one array
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        lambda a, b: a - b,
+        lambda *, a, b: a - b,
+        lambda: 1.0,
+        lambda x: x["a"] - x["b"],
+        lambda x: x["a"].to_numpy(),
+        lambda x: x.a - x.b,
+    ],
+)
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_model_that_expects_other_arguments_is_told_the_remedy(model: Any, wrapped: bool) -> None:
+    """Two positional arguments, or inputs by name: refused before any budget is spent."""
+    row = MonteCarlo(systems=300).estimate(
+        limit_state(per_sample(model) if wrapped else model), rng=1
+    )[0]
+    assert (row.status, row.n_evals) == ("failed", 0)
+    called, first = ("one sample x (2,)", "x[0]") if wrapped else ("rows X (n, 2)", "X[:, 0]")
+    assert f"It is called with {called}" in row.message
+    assert first in row.message
+    if not wrapped or "as the only argument" in row.message:
+        assert "per_sample(" in row.message
+
+
+def test_an_error_of_the_model_s_own_making_stays_a_failed_run() -> None:
+    def inner(a: float, b: float) -> float:
+        return a - b
+
+    def model(x: np.ndarray) -> np.ndarray:
+        if (x[:, 0] > 5.0).any():
+            return inner(x)  # type: ignore[call-arg,arg-type,return-value]
+        return x[:, 0]
+
+    x = rows(200)
+    session = opened(model)
+    assert np.isnan(session.evaluate(x)).sum() == np.count_nonzero(x[:, 0] > 5.0) > 0
+    assert "missing 1 required positional argument" in session.first_failure
+
+
 # sys.exit() in a model
 
 
@@ -354,6 +435,12 @@ def leaving_sample(x: np.ndarray) -> float:
     return float(leaving(x[None, :])[0])
 
 
+def closing(x: np.ndarray) -> np.ndarray:
+    if (x[:, 1] > models.FATAL).any():
+        raise GeneratorExit
+    return models.quadratic(x)
+
+
 class Aborted(BaseException):
     pass
 
@@ -364,18 +451,41 @@ def aborting(x: np.ndarray) -> np.ndarray:
     return models.quadratic(x)
 
 
-@pytest.mark.parametrize("model", [leaving, per_sample(leaving_sample), aborting])
+@pytest.mark.parametrize("model", [leaving, per_sample(leaving_sample), aborting, closing])
 @pytest.mark.parametrize("where", ["here", "threads", "processes"])
 def test_sys_exit_in_a_model_is_a_failed_run(model: Any, where: str, pool: Processes) -> None:
+    """So is GeneratorExit, which left `estimate`."""
     x, bad = models.with_one_bad_row(40)
     with ThreadPoolExecutor(2) as threads:
         executor = {"here": None, "threads": threads, "processes": pool}[where]
         session = opened(model, executor=executor)
         y = session.evaluate(x)
     assert np.flatnonzero(np.isnan(y)).tolist() == [bad]
-    assert ("Aborted: no mesh" if model is aborting else "SystemExit: 0") in session.first_failure
+    told = {aborting: "Aborted: no mesh", closing: "GeneratorExit"}.get(model, "SystemExit: 0")
+    assert told in session.first_failure
     row = MonteCarlo(systems=200).estimate(models.problem(model), uqfold.criteria(1.0), rng=1)[0]
     assert row.pf_high > row.pf_low
+
+
+def interrupting(x: np.ndarray) -> np.ndarray:
+    if (x[:, 1] > models.FATAL).any():
+        raise KeyboardInterrupt
+    return models.quadratic(x)
+
+
+@pytest.mark.parametrize("where", ["here", "threads", "processes"])
+def test_an_interrupt_that_a_model_raises_ends_the_program_everywhere(
+    where: str, pool: Processes
+) -> None:
+    """In worker processes it counted as a failed run."""
+    x, _ = models.with_one_bad_row(40)
+    with ThreadPoolExecutor(2) as threads:
+        executor = {"here": None, "threads": threads, "processes": pool}[where]
+        with pytest.raises(KeyboardInterrupt):
+            opened(interrupting, executor=executor).evaluate(x)
+        # and the workers go on
+        y = opened(models.quadratic, executor=executor).evaluate(x)
+    np.testing.assert_array_equal(y, models.quadratic(x))
 
 
 def leave(number: int, frame: object) -> None:

@@ -111,6 +111,18 @@ def test_a_run_that_kills_its_workers_fails_and_others_do_not() -> None:
     assert "the model ended its worker" in session.first_failure
 
 
+def test_an_interrupt_that_a_model_raises_ends_the_program(cluster: Any) -> None:
+    """It ended one worker after the other, and counted as a failed run."""
+
+    def interrupting(x: np.ndarray) -> np.ndarray:
+        raise KeyboardInterrupt
+
+    with Dask(cluster.scheduler_address) as dask:
+        with pytest.raises(KeyboardInterrupt):
+            numbers(interrupting, executor=dask)
+        assert numbers(models.quadratic, executor=dask) == numbers(models.quadratic)
+
+
 def test_a_limit_per_run_is_refused(cluster: Any) -> None:
     with (
         Dask(cluster.scheduler_address) as dask,

@@ -136,3 +136,18 @@ def test_settings_are_checked() -> None:
         MonteCarlo(systems=0)
     with pytest.raises(ValueError, match="target_cov"):
         MonteCarlo(target_cov=0.0)
+
+
+def test_one_failure_is_told_in_the_singular() -> None:
+    """It was told as "1 failures among"."""
+    seen: list[FloatArray] = []
+
+    def model(x: FloatArray) -> FloatArray:
+        seen.append(x[:, 0])
+        return x[:, 0]
+
+    problem = Problem(model, individual={"a": normal(0.0, 1.0)}, units=1)
+    MonteCarlo(systems=100).estimate(problem, criteria(0.0), rng=1)
+    one_above = float(np.sort(seen[0])[-2])
+    row = MonteCarlo(systems=100).estimate(problem, criteria(one_above), rng=1)[0]
+    assert "1 failure among 100 systems" in row.message

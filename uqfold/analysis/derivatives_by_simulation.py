@@ -174,7 +174,8 @@ class _Sums:
     def status(self, i: int) -> tuple[Status, str]:
         if not self.few(i):
             return "converged", ""
-        return "doubtful", f"{int(self.failed[i])} failures among {self.n} systems"
+        failures = int(self.failed[i])
+        return "doubtful", f"{failures} failure{'s' * (failures != 1)} among {self.n} systems"
 
     def differentiated(self, i: int, j: int) -> Differentiated:
         """Mean of (I - pf) S, whose S has mean zero, and its standard error."""

@@ -6,13 +6,23 @@ they know neither session nor store, and give the same responses everywhere.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.evaluation.calling import Calls, RaisedError, UnusableError, is_failed_run, shown
+from uqfold.evaluation.calling import (
+    Calls,
+    RaisedError,
+    UnusableError,
+    failure_in,
+    is_failed_run,
+    misunderstood,
+    shown,
+)
 from uqfold.evaluation.row_model import RowModel
+from uqfold.problems.responses import one_number
 from uqfold.time_limit import time_checked_by
 from uqfold.typing import FloatArray, Model
 
@@ -46,7 +56,7 @@ class Outcome:
     y
         Responses (n,); NaN marks a failed run.
     reason
-        What the first failed run raised; empty if none raised.
+        What the first failed run looked like; empty if none failed.
     seconds
         Time that the batch took where it was run (s).
     in_doubt
@@ -80,26 +90,32 @@ def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:
     unusable = ""
     # the limit of the estimate ends no run that was started, whatever the model is made of
     with time_checked_by(None):
-        if isinstance(model, RowModel):
-            y = _rows(model, x, reasons)
-        else:
-            try:
+        try:
+            if isinstance(model, RowModel):
+                y = np.array([_sample(model, row, reasons) for row in x], dtype=np.float64)
+            else:
                 y = _halved(calls, x, caution.may_give_up)
-            except UnusableError as error:
-                y, unusable = np.full(x.shape[0], np.nan), str(error)
+        except UnusableError as error:
+            y, unusable = np.full(x.shape[0], np.nan), str(error)
     seconds = time.perf_counter() - started
     return Outcome(y, reasons[0] if reasons else "", seconds, calls.in_doubt, unusable)
 
 
-def _rows(model: RowModel, x: FloatArray, reasons: list[str]) -> FloatArray:
-    y = np.full(x.shape[0], np.nan)
-    for i, row in enumerate(x):
-        try:
-            y[i] = model.run(row)
-        except BaseException as error:
-            if not is_failed_run(error):
-                raise
-            reasons.append(_raised(f"{type(error).__name__}: {error}", row))
+def _sample(model: RowModel, x: FloatArray, reasons: list[str]) -> float:
+    """Run the model on one sample x (d,)."""
+    try:
+        returned = model.run(x)
+        y = one_number(returned)
+    except BaseException as error:
+        if not is_failed_run(error):
+            raise
+        raised = f"{type(error).__name__}: {error}"
+        if wanted := misunderstood(error, x):
+            raise UnusableError(f"the model raised {raised}. It is called with {wanted}") from error
+        reasons.append(_raised(raised, x))
+        return math.nan
+    if math.isnan(y):
+        reasons.append(f"the model returned {failure_in(returned)} at x = {shown(x)}")
     return y
 
 

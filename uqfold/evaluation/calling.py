@@ -8,6 +8,7 @@ alone and among others, or the model is refused.
 
 from __future__ import annotations
 
+import re
 import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ NOISE_RANGES = 10.0
 """A noisy row lies within so many ranges of its repeats."""
 
 _WRAP = "If it takes one sample x (d,), wrap it: uqfold.evaluation.per_sample(model)"
+_OTHER_ARGUMENTS = re.compile("positional argument|keyword-only argument|takes no (keyword )?arg")
+_NO_NAMES = "only integers, slices"
 
 
 class UnusableError(Exception):
@@ -102,6 +105,10 @@ class Calls:
         except BaseException as error:
             if not is_failed_run(error):
                 raise
+            if self.in_doubt and (wanted := misunderstood(error, x)):
+                raise UnusableError(
+                    f"the model raised {type(error).__name__}: {error}. It is called with {wanted}"
+                ) from error
             raise RaisedError(f"{type(error).__name__}: {error}") from error
 
     def _one_per_row(self, returned: Any, x: FloatArray) -> FloatArray:
@@ -117,6 +124,7 @@ class Calls:
             return y.reshape(n)
         if y.shape == () and n == 1:
             # so do models that take rows and drop axes of length one, and those of one sample
+            self._note_failures([returned], y, x)
             if self.in_doubt:
                 twice = np.repeat(x, 3 if x.shape[1] == 2 else 2, axis=0)
                 several = self._one_per_row(self._called(twice), twice)
@@ -129,15 +137,11 @@ class Calls:
 
     def _note_failures(self, returned: Any, y: FloatArray, x: FloatArray) -> None:
         failed = np.isnan(y.reshape(-1))
-        kind = ""
-        if isinstance(returned, np.ma.MaskedArray):
-            kind = "a masked entry"
-        elif isinstance(returned, np.ndarray) and np.iscomplexobj(returned):
-            kind = "a complex number"
-        if kind and failed.any():
-            self.reasons.append(
-                f"the model returned {kind} at x = {shown(x[int(np.argmax(failed))])}"
-            )
+        if failed.any():
+            row = int(np.argmax(failed))
+            listed = isinstance(returned, list | tuple | np.ndarray)
+            entry = returned[row] if listed else np.asanyarray(returned)[row]
+            self.reasons.append(f"the model returned {failure_in(entry)} at x = {shown(x[row])}")
 
     def _compare(self, x: FloatArray, y: FloatArray) -> None:
         """Run some rows again alone."""
@@ -211,6 +215,50 @@ def is_failed_run(error: BaseException) -> bool:
             return False
         trace = trace.tb_next
     return True
+
+
+def failure_in(entry: Any) -> str:
+    """Return what makes one entry of the responses a failed run, for messages."""
+    while isinstance(entry, list | tuple) or getattr(entry, "ndim", 0) > 0:
+        entry = entry[0]
+    if isinstance(entry, np.ma.core.MaskedConstant):
+        return "a masked entry"
+    if isinstance(entry, complex | np.complexfloating) and entry.imag != 0.0:
+        return "a complex number"
+    if entry is None or type(entry).__name__ == "NAType":
+        return str(entry)
+    return "NaN" if entry != entry else "a number too large for a float"  # noqa: PLR0124
+
+
+def misunderstood(error: BaseException, x: FloatArray) -> str:
+    """Return what a model is called with if it raised because it expects something else, or "".
+
+    It takes several arguments, or looks for inputs by name: neither depends on the values in X
+    (n, d) or x (d,).
+    """
+    size, wrap = x.shape[-1], "uqfold.evaluation.per_sample"
+    called = f"rows X (n, {size})" if x.ndim == 2 else f"one sample x ({size},)"
+    first = "X[:, 0]" if x.ndim == 2 else "x[0]"
+    if isinstance(error, TypeError) and _OTHER_ARGUMENTS.search(str(error)) and _at_the_call(error):
+        return (
+            f"{called} as the only argument, of which {first} is the first input: change it, or "
+            f"wrap it: {wrap}(lambda x: model(*x))"
+        )
+    by_name = isinstance(error, IndexError) and str(error).startswith(_NO_NAMES)
+    if isinstance(error, AttributeError):
+        by_name = isinstance(error.obj, np.ndarray) and error.obj.shape == x.shape
+    if not by_name:
+        return ""
+    of_one = f", or x[0] of one sample with {wrap}(model)" if x.ndim == 2 else ""
+    return f"{called}, an array without names: write {first} for the first input{of_one}"
+
+
+def _at_the_call(error: BaseException) -> bool:
+    """Whether it was raised where the model is called, not by what the model calls itself."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return trace is not None and str(trace.tb_frame.f_globals.get("__name__")).startswith("uqfold.")
 
 
 def shown(x: FloatArray) -> str:

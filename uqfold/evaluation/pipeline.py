@@ -47,7 +47,7 @@ class Batch:
     full
         Whether it ends where a batch without a time limit would end.
     reason
-        What the first failed run raised; empty if none raised.
+        What its first failed run looked like; empty if none failed.
     """
 
     x: FloatArray

@@ -21,8 +21,8 @@ class RowModel(ABC):
     """Runs to be made at the same time where no executor is given."""
 
     @abstractmethod
-    def run(self, x: FloatArray) -> float:
-        """Return the response of one sample x (d,); raise if the run fails."""
+    def run(self, x: FloatArray) -> Any:
+        """Return the response of one sample x (d,), a number; raise if the run fails."""
 
     def with_time_limit(self, seconds: float) -> RowModel | None:
         """Return this model with a limit on the time of one run, or None if it cannot keep one."""
@@ -38,8 +38,8 @@ class RowModel(ABC):
         return _NegatedRows(self, self.parallel)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Responses (n,) of X (n, d); raises what the first failed run raises."""
-        return np.array([self.run(row) for row in x], dtype=np.float64)
+        """Return the responses (n,) of X (n, d); raise what the first failed run raises."""
+        return np.array([one_number(self.run(row)) for row in x], dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,12 @@ class _NegatedRows(RowModel):
     model: RowModel
     parallel: int
 
-    def run(self, x: FloatArray) -> float:
-        """Response of one sample x (d,)."""
-        return -one_number(self.model.run(x))
+    def run(self, x: FloatArray) -> Any:
+        """Return the response of one sample x (d,)."""
+        returned = self.model.run(x)
+        y = one_number(returned)
+        # what makes it a failed run is told from it
+        return returned if np.isnan(y) else -y
 
     def with_time_limit(self, seconds: float) -> RowModel | None:
         """Return the same with the limit that the model itself keeps."""
@@ -70,15 +73,9 @@ class PerSample(RowModel):
     def __post_init__(self) -> None:
         checks.function("function", self.function, "give a function of one sample x (d,)")
 
-    def run(self, x: FloatArray) -> float:
-        """Response of one sample x (d,).
-
-        Raises
-        ------
-        TypeError, ValueError
-            If the function returns something else than one number.
-        """
-        return one_number(self.function(x.copy()))
+    def run(self, x: FloatArray) -> Any:
+        """Return what the function returns for one sample x (d,)."""
+        return self.function(x.copy())
 
 
 def per_sample(function: Callable[[FloatArray], Any]) -> PerSample:

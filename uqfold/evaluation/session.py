@@ -17,7 +17,6 @@ import numpy as np
 
 from uqfold.checks import array
 from uqfold.evaluation.batch import GIVE_UP_AFTER
-from uqfold.evaluation.calling import shown
 from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
 from uqfold.evaluation.pipeline import Batch, Pipeline
@@ -211,9 +210,7 @@ class EvaluationSession:
         self.n_reused += failed.size - batch.asked.size
         self.n_failed += int(np.count_nonzero(failed))
         if failed.any():
-            row = batch.x[batch.start + int(np.argmax(failed))]
-            reason = batch.reason or f"the model returned NaN at x = {shown(row)}"
-            self.first_failure = self.first_failure or reason
+            self.first_failure = self.first_failure or batch.reason
             if self.failed_runs == "raise":
                 raise FailedRunError(self.first_failure)
             if batch.full and self.n_failed == self.n_evals >= GIVE_UP_AFTER:

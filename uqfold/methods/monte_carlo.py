@@ -176,7 +176,7 @@ class MonteCarlo(ReliabilityMethod):
             messages.append(f"{'no' if high == 0 else 'only'} failures among {n} systems")
         elif min(high, n - high) < FEW:
             status = "doubtful"
-            messages.append(f"{high} failures among {n} systems")
+            messages.append(f"{high} failure{'s' * (high != 1)} among {n} systems")
         return Estimate(
             pf=pf,
             reliability=(n - high) / n,

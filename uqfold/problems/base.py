@@ -267,8 +267,14 @@ class _Negated:
 
     g: Callable[[FloatArray], Any]
 
-    def __call__(self, x: FloatArray) -> FloatArray:
-        return -numbers_in(self.g(x))
+    def __call__(self, x: FloatArray) -> Any:
+        returned = self.g(x)
+        y = numbers_in(returned)
+        if y.ndim > 0 and np.isnan(y).any():
+            # what makes an entry a failed run is told from it
+            pairs = zip(returned, y, strict=True)
+            return [entry if np.isnan(value).any() else -value for entry, value in pairs]
+        return None if returned is None else -y
 
 
 def _names_of_shared(shared: Any) -> Sequence[str]:
