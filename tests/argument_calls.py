@@ -24,6 +24,7 @@ from uqfold import (
     inputs,
     mechanism,
     methods,
+    plots,
     problems,
     report,
     testing,
@@ -203,6 +204,9 @@ def calls(folder: Path) -> dict[str, Call]:
     rows = tuple(row for run in comparison.run_comparison(plan) for row in run.rows)
     records = comparison.Records(comparison.RunHeader.of(plan), rows)
     comparison.write_records(records, folder)
+    known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
+    frame = records.to_frame().assign(**known)
+    axes, page = plots.error_against_evaluations(frame), report.Page("some")
     cheap = methods.FFNIPearson()
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
     wing = mechanism.WingParameters(t_max=0.01)
@@ -797,6 +801,19 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "problems.ReferenceTable.lookup": Call(references.lookup, {"criterion": thing(criterion)}),
+        "plots.comparison": Call(plots.comparison, {"frame": thing(frame)}),
+        "plots.error_against_evaluations": Call(
+            plots.error_against_evaluations,
+            {"frame": thing(frame), "ax": optional(thing(axes))},
+        ),
+        "plots.method_styles": Call(
+            plots.method_styles, {"labels": thing(["mc"]).also("empty list")}
+        ),
+        "plots.save": Call(
+            plots.save,
+            {"figure": thing(axes), "path": file, "formats": thing(["png"]).also("empty list")},
+        ),
+        "plots.values": Call(plots.values, {"figure": thing(axes)}),
         "problems.folding_wing": Call(
             problems.folding_wing,
             {
@@ -816,17 +833,59 @@ def calls(folder: Path) -> dict[str, Call]:
         "problems.four_bar": Call(problems.four_bar, {"branch": choice("crossed")}),
         "problems.four_branch": Call(problems.four_branch, {"k": number(6.0)}),
         "problems.series": Call(problems.series, {}),
-        "report.ComparisonTable": Call(report.ComparisonTable, {"records": thing(records)}),
-        "report.error_against_evaluations": Call(
-            report.error_against_evaluations, {"records": thing(records)}
+        "report.Page": Call(
+            report.Page,
+            {"title": text(), "lead": text(), "kind": text(), "imprint": text()},
         ),
-        "report.reliability_curves": Call(report.reliability_curves, {"records": thing(records)}),
+        "report.Page.card": Call(
+            page.card, {"title": text(), "answer": text(), "tone": choice("good")}
+        ),
+        "report.Page.code": Call(page.code, {"source": text()}),
+        "report.Page.details": Call(page.details, {"title": text()}),
+        "report.Page.equation": Call(
+            page.equation, {"latex": text(), "lead": text(), "source": text()}
+        ),
+        "report.Page.facts": Call(page.facts, {"facts": thing({"a": "b"})}),
+        "report.Page.figure": Call(
+            page.figure,
+            {"figure": thing(axes), "title": text(), "caption": text(), "name": text()},
+        ),
+        "report.Page.section": Call(
+            page.section,
+            {
+                "title": text(),
+                "level": count().except_for("huge"),
+                "label": text(),
+                "tone": choice("good"),
+                "name": text(),
+            },
+        ),
+        "report.Page.table": Call(
+            page.table,
+            {
+                "frame": thing(frame),
+                "title": text(),
+                "caption": text(),
+                "name": text(),
+                "formats": thing({"pf": repr}),
+                "tones": thing({"converged": "good"}),
+                "belongs": thing([]).also("empty list"),
+            },
+        ),
+        "report.Page.text": Call(page.text, {"source": text(), "small": flag()}),
+        "report.Page.write": Call(
+            page.write,
+            {
+                "path": Kind(str(folder / "p.md"), folder / "p.md", frozenset({"text"})),
+                "format": choice("md").except_for("none"),
+            },
+        ),
+        "report.literal": Call(report.literal, {"text": text()}),
+        "report.ComparisonTable": Call(report.ComparisonTable, {"records": thing(records)}),
         "report.report_page": Call(
             report.report_page, {"source": Kind(str(folder), folder, frozenset({"text"}))}
         ),
-        "report.write_figures": Call(
-            report.write_figures, {"records": thing(records), "folder": file}
-        ),
+        "report.write_figures": Call(report.write_figures, {"frame": thing(frame), "folder": file}),
         "report.write_report": Call(
             report.write_report,
             {

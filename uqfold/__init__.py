@@ -17,7 +17,17 @@ from uqfold.lazy import lazy_exports
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uqfold import analysis, inputs, mechanism, methods, problems, report, system, testing
+    from uqfold import (
+        analysis,
+        inputs,
+        mechanism,
+        methods,
+        plots,
+        problems,
+        report,
+        system,
+        testing,
+    )
     from uqfold.comparison.run import compare
     from uqfold.evaluation.evaluator import Evaluator
     from uqfold.methods.base import ReliabilityMethod
@@ -45,6 +55,7 @@ __all__ = [
     "inputs",
     "mechanism",
     "methods",
+    "plots",
     "problems",
     "report",
     "system",
@@ -73,6 +84,7 @@ __getattr__, __dir__ = lazy_exports(
         "inputs": "uqfold.inputs",
         "mechanism": "uqfold.mechanism",
         "methods": "uqfold.methods",
+        "plots": "uqfold.plots",
         "problems": "uqfold.problems",
         "report": "uqfold.report",
         "system": "uqfold.system",

@@ -19,7 +19,7 @@ from uqfold.problems.criterion import Binomial, criteria
 QUICK = ["--method", "ffni-spa", "--method", "ffni-pearson", "--threshold", "0,2"]
 FIGURES = {
     f"{stem}.{suffix}"
-    for stem in ("reliability-curves", "error-against-evaluations")
+    for stem in ("comparison", "error-against-evaluations")
     for suffix in ("png", "svg")
 }
 

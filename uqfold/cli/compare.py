@@ -135,7 +135,7 @@ class ComparisonSession:
         finally:
             # the files are written whether or not anybody can read the table
             if self.figures:
-                self._written += write_figures(self.records, self.folder)
+                self._written += write_figures(self.records.to_frame(), self.folder)
         names = ", ".join(path.name for path in self._written)
         out.print()
         for line in hanging(f"written to {shown_path(self.folder)}: ", names, out.width):

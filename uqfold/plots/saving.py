@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import choice, several
+from uqfold.checks import choice, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.plots.style import figure_settings
 from uqfold.writing import replacing
@@ -15,13 +15,14 @@ from uqfold.writing import replacing
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg", "pdf")
 
 
 def save(
-    figure: Figure, path: str | os.PathLike[str], formats: Iterable[str] = ("png",)
+    figure: Figure | Axes, path: str | os.PathLike[str], formats: Iterable[str] = ("png",)
 ) -> list[Path]:
     """Write a figure in each of some formats; each file appears whole or not at all.
 
@@ -30,7 +31,7 @@ def save(
     Parameters
     ----------
     figure
-        The figure.
+        The figure, or any of its axes.
     path
         Where to, without a suffix; its folder is made if it is missing.
     formats
@@ -48,6 +49,7 @@ def save(
     OSError
         If a file cannot be written.
     """
+    drawn = figure_of(figure)
     stem = checked_path("path", path)
     listed = several("formats", formats, choice, FORMATS)
     stem.parent.mkdir(parents=True, exist_ok=True)
@@ -56,9 +58,17 @@ def save(
         # with_suffix would take the end of "pf-0.5" for a suffix
         file = stem.with_name(f"{stem.name}.{one}")
         with replacing(file) as stream:
-            _save(figure, stream, one)
+            _save(drawn, stream, one)
         written.append(file)
     return written
+
+
+def figure_of(figure: object) -> Any:
+    """Return a figure of matplotlib, also that of given axes."""
+    whole: Any = figure if hasattr(figure, "savefig") else getattr(figure, "figure", None)
+    if not hasattr(whole, "savefig"):
+        raise refused("figure", figure, "give a Figure or Axes of matplotlib", TypeError)
+    return whole
 
 
 def svg_text(figure: Figure) -> str:
@@ -68,7 +78,7 @@ def svg_text(figure: Figure) -> str:
     return stream.getvalue().decode()
 
 
-def _save(figure: Figure, stream: io.IOBase | object, format: str) -> None:
+def _save(figure: Figure, stream: Any, format: str) -> None:
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with figure_settings():
-        figure.savefig(stream, format=format, metadata=dates.get(format))  # type: ignore[arg-type]
+        figure.savefig(stream, format=format, metadata=dates.get(format))

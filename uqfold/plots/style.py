@@ -11,11 +11,16 @@ colorblind people. University of Tokyo, 2008.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from uqfold.checks import listed, several, text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,10 @@ COLUMN_INCHES = 3.5
 
 REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4, 2))}
 BAND_COLOR = "#D9D9D9"
+SOFT_COLOR = "#555555"
+"""Remarks, and what belongs to no method."""
+HEADER = "uqfold-comparison"
+"""Where a frame of a comparison carries what was asked, in ``frame.attrs``."""
 
 FIGURE_SETTINGS: Any = {
     "font.family": "DejaVu Sans",
@@ -95,23 +104,24 @@ def figure_settings() -> Iterator[None]:
 
 
 def _turned(turn: int) -> Iterator[MethodStyle]:
-    """Give the further styles with their markers passed on by so many places."""
+    """Return the further styles with their markers passed on by so many places."""
     for i, style in enumerate(FURTHER_STYLES):
         yield MethodStyle(style.color, FURTHER_STYLES[(i + turn) % len(FURTHER_STYLES)].marker)
 
 
 def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
-    """Give each label its colour and marker.
+    """Return the colour and marker of each label.
 
     The built-in methods always have theirs; other labels take the further ones in turn, in the
     order given, and then the same colours with other markers.
     """
     further = (style for turn in count() for style in _turned(turn))
-    return {label: _FIXED.get(label) or next(further) for label in labels}
+    given = list(labels) if isinstance(labels, Mapping) else listed("labels", labels)
+    return {label: _FIXED.get(label) or next(further) for label in several("labels", given, text)}
 
 
 def shades(style: MethodStyle, count: int, *, own_markers: bool) -> list[MethodStyle]:
-    """Give several curves of one method their looks: its colour from dark to light.
+    """Return several curves of one method their looks: its colour from dark to light.
 
     Parameters
     ----------
@@ -136,3 +146,24 @@ def shades(style: MethodStyle, count: int, *, own_markers: bool) -> list[MethodS
         marker = _CURVE_MARKERS[i % len(_CURVE_MARKERS)] if own_markers else style.marker
         looks.append(MethodStyle(color, marker))
     return looks
+
+
+def logarithmic(axes: Axes, side: str, low: float, high: float) -> None:
+    """Make the x or y axis logarithmic from `low` to `high`, its ticks plain text: 0.01, 10⁻⁴."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+    def written(value: float, _: object) -> str:
+        mantissa, _, exponent = f"{value:.0e}".partition("e")
+        if -4 < int(exponent) < 1:
+            return f"{value:g}"
+        power = f"10{str(int(exponent)).translate(raised)}"
+        return power if mantissa == "1" else f"{mantissa}·{power}"
+
+    axes.set(**{f"{side}scale": "log", f"{side}lim": (low, high)})
+    axis = axes.yaxis if side == "y" else axes.xaxis
+    subs = (1.0,) if high > 30.0 * low else (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=7))
+    axis.set_major_formatter(FuncFormatter(written))
+    axis.set_minor_formatter(NullFormatter())

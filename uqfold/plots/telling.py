@@ -12,15 +12,19 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from uqfold.plots.saving import figure_of
+
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Spot: TypeAlias = tuple[float, float, str]
 """A point of a figure: to the right and down from its upper left corner (points), and its text."""
 
 _TEXTS = "_uqfold_texts"
-_NO_MARKERS = ("None", "none", "", " ", None)
+_NOT_TOLD = ("None", "none", "", " ", None, "_", "|")
+"""Markers of lines without points, and of the ends of error bars."""
 
 
 def gid(**belongs: str) -> str:
@@ -63,16 +67,16 @@ def told(figure: Figure) -> Iterator[tuple[Artist, list[Spot]]]:
                 yield artist, _spots(artist, figure)
 
 
-def values(figure: Figure) -> dict[str, list[str]]:
+def values(figure: Figure | Axes) -> dict[str, list[str]]:
     """Return what there is to read in a figure: gid -> the text of each marked point.
 
     Parameters
     ----------
     figure
-        A figure whose artists were named, as those of `uqfold.plots` are.
+        A figure, or any of its axes, whose artists were named, as those of `uqfold.plots` are.
     """
     found: dict[str, list[str]] = {}
-    for artist, spots in told(figure):
+    for artist, spots in told(figure_of(figure)):
         found.setdefault(artist.get_gid() or "", []).extend(text for *_, text in spots)
     return {name: texts for name, texts in found.items() if texts}
 
@@ -80,7 +84,7 @@ def values(figure: Figure) -> dict[str, list[str]]:
 def _spots(artist: Artist, figure: Figure) -> list[Spot]:
     from matplotlib.lines import Line2D
 
-    if not isinstance(artist, Line2D) or artist.get_marker() in _NO_MARKERS:
+    if not isinstance(artist, Line2D) or artist.get_marker() in _NOT_TOLD:
         return []
     points = np.column_stack([artist.get_xdata(orig=False), artist.get_ydata(orig=False)])
     texts = getattr(artist, _TEXTS, ())

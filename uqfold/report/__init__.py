@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from uqfold.report.cost import error_against_evaluations
-    from uqfold.report.curves import reliability_curves
     from uqfold.report.figures import write_figures
     from uqfold.report.page.builder import Page
     from uqfold.report.page.markup import literal
@@ -16,9 +14,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ComparisonTable",
     "Page",
-    "error_against_evaluations",
     "literal",
-    "reliability_curves",
     "report_page",
     "write_figures",
     "write_report",
@@ -30,9 +26,7 @@ __getattr__, __dir__ = lazy_exports(
     {
         "ComparisonTable": "uqfold.report.table",
         "Page": "uqfold.report.page.builder",
-        "error_against_evaluations": "uqfold.report.cost",
         "literal": "uqfold.report.page.markup",
-        "reliability_curves": "uqfold.report.curves",
         "report_page": "uqfold.report.reports",
         "write_figures": "uqfold.report.figures",
         "write_report": "uqfold.report.reports",

@@ -6,36 +6,37 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uqfold.checks import instance
 from uqfold.checks import path as checked_path
-from uqfold.comparison.records import Records
-from uqfold.report.cost import error_against_evaluations
-from uqfold.report.curves import reliability_curves
-from uqfold.report.style import figure_settings
-from uqfold.writing import replacing
+from uqfold.plots.comparison_figure import comparison
+from uqfold.plots.error_figure import error_against_evaluations
+from uqfold.plots.saving import save
+from uqfold.plots.wording import comparison_rows
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
-CURVES_STEM = "reliability-curves"
-COST_STEM = "error-against-evaluations"
+COMPARISON_STEM = "comparison"
+ERROR_STEM = "error-against-evaluations"
 FORMATS = ("png", "svg")
 
 
 def figure_paths(folder: str | os.PathLike[str]) -> list[Path]:
-    """Give the files that `write_figures` may write."""
+    """Return the files that `write_figures` may write."""
     return [
-        Path(folder) / f"{stem}.{suffix}" for stem in (CURVES_STEM, COST_STEM) for suffix in FORMATS
+        Path(folder) / f"{stem}.{suffix}"
+        for stem in (COMPARISON_STEM, ERROR_STEM)
+        for suffix in FORMATS
     ]
 
 
-def write_figures(records: Records, folder: str | os.PathLike[str]) -> list[Path]:
+def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[Path]:
     """Write the figures of a comparison as PNG and SVG.
 
     Parameters
     ----------
-    records
-        The comparison.
+    frame
+        What `uqfold.compare` returned, or a part of it.
     folder
         Where to; made if it is missing.
 
@@ -43,28 +44,19 @@ def write_figures(records: Records, folder: str | os.PathLike[str]) -> list[Path
     -------
     list[pathlib.Path]
         The files written. Without any reference there is no figure of errors, and without any
-        answer no figure at all.
+        answer at a finite threshold no figure at all.
     """
-    instance("records", records, Records, "give Records")
+    rows = comparison_rows(frame)
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
-    figures = {
-        CURVES_STEM: reliability_curves(records),
-        COST_STEM: error_against_evaluations(records),
-    }
     written: list[Path] = []
-    for stem, figure in figures.items():
-        if figure is not None:
-            written += save_figure(figure, directory, stem)
+    if any(abs(row["threshold"]) < float("inf") and row["pf"] >= 0.0 for row in rows):
+        written += save(comparison(frame), directory / COMPARISON_STEM, FORMATS)
+    if any(row["error"] >= 0.0 for row in rows):
+        written += save(error_against_evaluations(frame), directory / ERROR_STEM, FORMATS)
     return written
 
 
 def save_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
-    """Write one figure in all `FORMATS`; each file appears whole or not at all."""
-    paths = [folder / f"{stem}.{suffix}" for suffix in FORMATS]
-    for path in paths:
-        with figure_settings(), replacing(path) as stream:
-            # without a date the same records give the same file
-            metadata = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(stream, format=path.suffix.removeprefix("."), metadata=metadata)
-    return paths
+    """Write one figure in all `FORMATS`."""
+    return save(figure, folder / stem, FORMATS)

@@ -168,7 +168,7 @@ def test_what_is_no_frame_or_figure_is_refused() -> None:
         made.table([[1]], "t")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="figure = 3: give a Figure or Axes"):
         made.figure(3, "t")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="belongs has 1 names for 2 rows"):
+    with pytest.raises(ValueError, match="give one name for each of 2 rows"):
         made.table(pd.DataFrame({"a": [1, 2]}), "t", belongs=["method=a"])
-    with pytest.raises(ValueError, match="format"):
+    with pytest.raises(ValueError, match="suffix of path = 'pdf': choose from"):
         made.write("report.pdf")

@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias, get_args
 
-from uqfold.checks import choice, refused, text
+from uqfold.checks import choice, flag, function, instance, mapping, refused, several, text, whole
 from uqfold.checks import path as checked_path
 from uqfold.report.page.cells import Formatter, Grid, Tone, grid
-from uqfold.report.page.markup import plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -172,19 +171,29 @@ class Page:
         """Begin a section, or at a higher level one within it; `label` stands behind its title."""
         if self._open is not self.blocks:
             raise ValueError(f"section {title!r} cannot begin within details")
-        self._add(Heading(title, self._unique(name or title), level, label, tone))
+        self._add(
+            Heading(
+                text("title", title),
+                self._unique(title, name),
+                whole("level", level, at_least=1, at_most=5),
+                text("label", label, empty=True),
+                choice("tone", tone, get_args(Tone)),
+            )
+        )
 
     def text(self, source: str, *, small: bool = False) -> None:
         """Add paragraphs and lists; `small` for remarks and legends."""
-        self._add(Text(source, small))
+        self._add(Text(text("source", source, empty=True), flag("small", small)))
 
     def card(self, title: str, answer: str, *more: str, tone: Tone = "") -> None:
         """Add a statement to a row of them: a question, its short answer, and what else to say."""
-        self._add(Card(title, answer, more, tone))
+        said = several("more", more, text)
+        tone = choice("tone", tone, get_args(Tone))
+        self._add(Card(text("title", title), text("answer", answer), said, tone))
 
     def facts(self, facts: Mapping[str, str]) -> None:
         """Add names and what they stand for, in two columns."""
-        self._add(Facts(tuple(facts.items())))
+        self._add(Facts(tuple(mapping("facts", facts, text, empty=True).items())))
 
     def table(
         self,
@@ -193,8 +202,8 @@ class Page:
         caption: str = "",
         *,
         name: str = "",
-        formats: Mapping[str, Formatter] | None = None,
-        tones: Mapping[str, Tone] | None = None,
+        formats: Mapping[str, Formatter] = {},
+        tones: Mapping[str, Tone] = {},
         belongs: Sequence[str] = (),
     ) -> None:
         """Add a table.
@@ -221,12 +230,19 @@ class Page:
         TypeError, ValueError
             If `frame` is no frame, or `belongs` has not one name per row.
         """
-        if not hasattr(frame, "columns"):
-            raise refused("frame", frame, "give a pandas DataFrame", TypeError)
-        if belongs and len(belongs) != len(frame):
-            raise ValueError(f"belongs has {len(belongs)} names for {len(frame)} rows")
-        cells = grid(frame, formats, tones)
-        self._add(Table(title, caption, self._unique(name or title), cells, tuple(belongs)))
+        import pandas as pd
+
+        instance("frame", frame, pd.DataFrame, "give a pandas DataFrame")
+        owners = several("belongs", belongs, text, empty=True)
+        if owners and len(owners) != len(frame):
+            raise refused("belongs", belongs, f"give one name for each of {len(frame)} rows")
+        cells = grid(
+            frame,
+            mapping("formats", formats, function),
+            mapping("tones", tones, choice, get_args(Tone)),
+        )
+        said = text("caption", caption, empty=True)
+        self._add(Table(text("title", title), said, self._unique(title, name), cells, owners))
 
     def figure(
         self, figure: Figure | Axes, title: str, caption: str = "", *, name: str = ""
@@ -242,23 +258,29 @@ class Page:
         name
             Its anchor, and the name of its file beside Markdown; made from the title if empty.
         """
-        whole: Any = figure if hasattr(figure, "savefig") else getattr(figure, "figure", None)
-        if not hasattr(whole, "savefig"):
-            raise refused("figure", figure, "give a Figure or Axes of matplotlib", TypeError)
-        self._add(Picture(title, caption, self._unique(name or title), whole))
+        from uqfold.plots.saving import figure_of
+
+        said = text("caption", caption, empty=True)
+        self._add(Picture(text("title", title), said, self._unique(title, name), figure_of(figure)))
 
     def equation(self, latex: str, lead: str = "", source: str = "") -> None:
         """Add a displayed equation in LaTeX, what leads to it, and where it comes from."""
-        self._add(Equation(lead, latex, source))
+        lead, source = (
+            text(name, value, empty=True) for name, value in (("lead", lead), ("source", source))
+        )
+        self._add(Equation(lead, text("latex", latex), source))
 
-    def code(self, text: str) -> None:
+    def code(self, source: str) -> None:
         """Add code or commands on lines of their own."""
-        self._add(Listing(text))
+        self._add(Listing(text("source", source, empty=True)))
+
+    def details(self, title: str) -> AbstractContextManager[None]:
+        """Fold away what is added within the ``with``; open in print and in Markdown."""
+        return self._folded(Details(text("title", title), []))
 
     @contextmanager
-    def details(self, title: str) -> Iterator[None]:
-        """Fold away what is added within the ``with``; open in print and in Markdown."""
-        inner, outer = Details(title, []), self._open
+    def _folded(self, inner: Details) -> Iterator[None]:
+        outer = self._open
         self._add(inner)
         self._open = inner.blocks
         try:
@@ -287,10 +309,9 @@ class Page:
         from uqfold.writing import write_text
 
         file = checked_path("path", path)
-        asked = file.suffix.lower().lstrip(".") if format is None else format
-        page = self.html if choice("format", asked, get_args(Format)) == "html" else self.markdown
+        asked = page_format(file, format)
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_text(file, page())
+        write_text(file, self.html() if asked == "html" else self.markdown())
         written = [file]
         if asked == "md":
             for picture in self.pictures():
@@ -316,14 +337,22 @@ class Page:
     def _add(self, block: Block) -> None:
         self._open.append(block)
 
-    def _unique(self, title: str) -> str:
-        stem = re.sub(r"[^a-z0-9.]+", "-", plain(title).lower()).strip("-.") or "part"
+    def _unique(self, title: str, name: str) -> str:
+        asked = text("name", name, empty=True) or text("title", title)
+        stem = re.sub(r"[^a-z0-9.]+", "-", asked.lower()).strip("-.") or "part"
         name, number = stem, 1
         while name in self._names:
             number += 1
             name = f"{stem}-{number}"
         self._names.add(name)
         return name
+
+
+def page_format(path: Path, format: str | None = None) -> Format:
+    """Return the format of a page: the one asked for, or that of the file's suffix."""
+    asked = path.suffix.lower().lstrip(".") if format is None else format
+    name = "suffix of path" if format is None else "format"
+    return choice(name, asked, get_args(Format))
 
 
 def _all(blocks: Sequence[Block]) -> Iterator[Block]:

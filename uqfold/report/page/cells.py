@@ -39,8 +39,8 @@ class Grid:
 
 def grid(
     frame: pd.DataFrame,
-    formats: Mapping[str, Formatter] | None = None,
-    tones: Mapping[str, Tone] | None = None,
+    formats: Mapping[str, Formatter],
+    tones: Mapping[str, Tone],
 ) -> Grid:
     """Return the cells of a frame; a named index comes first.
 
@@ -49,7 +49,7 @@ def grid(
     frame
         The frame, its headings with units.
     formats
-        Column -> function that writes its values; None: `value_text`.
+        Column -> function that writes its values; `value_text` writes the others.
     tones
         Text of a cell -> its tone.
     """
@@ -57,10 +57,10 @@ def grid(
         frame = frame.reset_index()
     heads = tuple(" ".join(map(str, one)) if isinstance(one, tuple) else str(one)
                   for one in frame.columns)  # fmt: skip
-    writers = [(formats or {}).get(head, value_text) for head in heads]
+    writers = [formats.get(head, value_text) for head in heads]
     columns = [frame.iloc[:, i].tolist() for i in range(len(heads))]
     cells = [
-        [_cell(value, write, tones or {}) for value in column]
+        [_cell(value, write, tones) for value in column]
         for column, write in zip(columns, writers, strict=True)
     ]
     numeric = tuple(

@@ -12,6 +12,8 @@ import re
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from uqfold.checks import text as checked_text
+
 Kind: TypeAlias = Literal["text", "code", "strong", "em", "link"]
 
 _SPECIAL = re.compile(r"([\\`*\[\]])")
@@ -51,7 +53,8 @@ def literal(text: str) -> str:
     >>> print(literal("2 * x [mm]"))
     2 \* x \[mm\]
     """
-    return _SPECIAL.sub(r"\\\1", re.sub(r"\s+", " ", text))
+    given = checked_text("text", text, empty=True)
+    return _SPECIAL.sub(r"\\\1", re.sub(r"\s+", " ", given))
 
 
 def code(text: str) -> str:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from uqfold.report.wording import (
+from uqfold.plots.wording import (
     count_text,
     criterion_text,
     percent,

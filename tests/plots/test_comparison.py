@@ -1,0 +1,295 @@
+"""The figure of a comparison, and errors against cost: what is drawn, where, and how it is told."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+
+from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told, toy_records
+from uqfold import plots
+from uqfold.methods import available
+from uqfold.problems.criterion import criteria
+
+SHORT = criteria(THRESHOLDS)
+
+
+def frame(*given: Any, **named: Any) -> pd.DataFrame:
+    return toy_records(*given, **named).to_frame()
+
+
+@pytest.fixture(scope="module")
+def whole() -> pd.DataFrame:
+    return frame()
+
+
+def row_of(figure: Any, label: str) -> Axes:
+    """The first of the narrow rows of a method."""
+    return next(axes for axes in figure.axes if axes.get_ylabel() == label)
+
+
+def colored(axes: Axes, color: str) -> list[Any]:
+    return [line for line in axes.lines if to_hex(line.get_color()).upper() == color]
+
+
+def drawn(axes: Axes, label: str, labels: list[str]) -> list[tuple[float, float]]:
+    """Places of the markers of a method."""
+    lines = colored(axes, plots.method_styles(labels)[label].color)
+    marked = [line for line in lines if line.get_marker() not in ("None", "")]
+    points = np.array([xy for line in marked for xy in line.get_xydata()])
+    return [(float(x), float(y)) for x, y in points if math.isfinite(x + y)]
+
+
+def test_every_built_in_method_has_a_colour_and_a_marker_of_its_own() -> None:
+    styles = plots.method_styles([*available(), *"abcdef"]).values()
+    assert len({style.color for style in styles}) == len(styles)
+    assert len({style.marker for style in styles}) == len(styles)
+    # black is the reference
+    assert "#000000" not in {style.color for style in styles}
+
+
+def test_a_method_keeps_its_style_in_other_company() -> None:
+    beside = plots.method_styles(["another", "openturns-mc", "mc"])
+    assert plots.method_styles(["mc"])["mc"] == beside["mc"]
+
+
+def test_every_method_has_a_row_with_its_ratios_at_the_true_thresholds(
+    whole: pd.DataFrame,
+) -> None:
+    """The figure moved points sideways, by which thresholds were misread."""
+    figure = plots.comparison(whole)
+    row = row_of(figure, "biased")
+    own = whole[(whole["label"] == "biased") & whole["tau"].isna() & (whole["missions"] == "1")]
+    expected = own["pf"] / own["reference_pf"]
+    found = drawn(row, "biased", list(METHODS))
+    assert [x for x, _ in found] == list(THRESHOLDS)
+    np.testing.assert_allclose([y for _, y in found], expected, rtol=1e-12)
+    assert row.get_yscale() == "log"
+
+
+def test_the_curve_is_drawn_once_per_panel_with_the_reference(whole: pd.DataFrame) -> None:
+    figure = plots.comparison(whole)
+    tops = [axes for axes in figure.axes if axes.get_title(loc="left").endswith(("on", ")"))]
+    assert len(tops) == 4
+    first = whole[whole["tau"].isna() & (whole["missions"] == "1") & (whole["label"] == "exact")]
+    reference = colored(tops[0], "#000000")[0]
+    np.testing.assert_allclose(reference.get_ydata(), first["reference_pf"])
+    (band,) = tops[0].collections
+    edges = band.get_paths()[0].vertices[:, 1]
+    assert edges.max() == pytest.approx(1.02 * first["reference_pf"].max(), rel=1e-9)
+
+
+def test_panels_share_their_axes_and_only_the_last_row_names_the_threshold(
+    whole: pd.DataFrame,
+) -> None:
+    figure = plots.comparison(whole)
+    named = [axes for axes in figure.axes if axes.get_xlabel()]
+    assert {axes.get_xlabel() for axes in named} == {"threshold T on deflection (mm)"}
+    assert len(named) == 4
+    assert len({axes.get_xlim() for axes in figure.axes}) == 1
+
+
+def test_an_interval_becomes_a_bar_of_ratios() -> None:
+    own = frame(SHORT, {"mc": Sampled()})
+    row = row_of(plots.comparison(own), "mc")
+    (bars,) = [one for one in row.collections if "LineCollection" in type(one).__name__]
+    ends = np.array([path.vertices[:, 1] for path in bars.get_paths()])
+    expected = own[["ci_low", "ci_high"]].to_numpy() / own[["reference_pf"]].to_numpy()
+    np.testing.assert_allclose(ends, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_an_answer_of_zero_is_an_arrow_at_the_upper_end_of_its_interval() -> None:
+    own = frame(criteria([11.0, 17.0]), {"mc": Sampled(n=100)})
+    assert own["pf"].iloc[1] == 0.0
+    figure = plots.comparison(own)
+    row = row_of(figure, "mc")
+    arrows = [line for line in row.lines if line.get_marker() == 7]
+    ((x, y),) = [xy for line in arrows for xy in line.get_xydata() if math.isfinite(xy[1])]
+    # ci_high is some 1e9 times the reference: the arrow stands at the upper edge
+    assert x == 17.0
+    assert 1.0 < y <= row.get_ylim()[1]
+    assert any("upper end" in text.get_text() for text in figure.legends[0].get_texts())
+
+
+def test_an_answer_beyond_the_axis_points_outside() -> None:
+    own = frame(SHORT, {"far": Told(bias=99.0), "near": Told()})
+    row = row_of(plots.comparison(own), "far")
+    arrows = [line for line in row.lines if line.get_marker() == 6]
+    assert len(arrows) == 1
+    assert 9.0 < row.get_ylim()[1] < 20.0
+
+
+def test_one_criterion_gives_one_line_per_method() -> None:
+    own = frame(criteria(12.0))
+    (axes,) = plots.comparison(own).axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(METHODS)
+    ((ratio, place),) = drawn(axes, "biased", list(METHODS))
+    assert (ratio, place) == (pytest.approx(1.2), 1.0)
+    # the first stands on top, and who has no answer says why
+    low, high = axes.get_ylim()
+    assert low > high
+    assert "failed" in [text.get_text() for text in axes.texts]
+
+
+def test_cost_and_error_stand_beside_every_method(whole: pd.DataFrame) -> None:
+    said = " ".join(text.get_text() for axes in plots.comparison(whole).axes for text in axes.texts)
+    assert "median error 20.0 %\n250 evaluations" in said
+    assert "unsupported" in said
+
+
+def test_without_references_the_narrowest_intervals_are_the_measure() -> None:
+    methods = {"told": Told(), "narrow": Sampled(n=4000), "wide": Sampled(n=100)}
+    figure = plots.comparison(frame(SHORT, methods, referenced=False))
+    assert "against narrow, without a reference" in figure.get_suptitle()
+    assert {y for _, y in drawn(row_of(figure, "narrow"), "narrow", list(methods))} == {1.0}
+
+
+@pytest.mark.parametrize("grid", [SHORT, criteria(12.0)])
+def test_without_references_and_intervals_pf_itself_is_drawn(grid: Any) -> None:
+    own = frame(grid, {"a": Told(bias=0.1), "b": Told()}, referenced=False)
+    figure = plots.comparison(own)
+    assert "failure probability" in figure.get_suptitle()
+    side = 0 if len(grid) == 1 else 1
+    found = [xy[side] for xy in drawn(figure.axes[0], "a", ["a", "b"])]
+    np.testing.assert_allclose(found, own.loc[own["label"] == "a", "pf"])
+
+
+def test_many_methods_and_panels_are_drawn() -> None:
+    methods = {f"variant {i}": Told(n=10 * i + 10, bias=0.1 * i) for i in range(12)}
+    figure = plots.comparison(frame(criteria([11.0, 12.0], missions=[1, 2, 3, 4]), methods))
+    assert len(figure.axes) == 4 * 13
+    width, height = figure.get_size_inches()
+    assert height < 20.0
+    assert width < 9.0
+
+
+def test_rows_without_answer_leave_gaps(whole: pd.DataFrame) -> None:
+    hole = whole.copy()
+    hole.loc[hole["threshold"] == 12.0, ["pf", "error"]] = math.nan
+    row = row_of(plots.comparison(hole), "biased")
+    assert [x for x, _ in drawn(row, "biased", list(METHODS))] == [11.0, 13.0]
+
+
+def test_an_infinite_threshold_has_no_place_on_the_axis() -> None:
+    own = frame(criteria([11.0, 12.0, math.inf]), {"exact": Told()}, referenced=False)
+    figure = plots.comparison(own)
+    assert all(np.isfinite(line.get_xdata()).all() for axes in figure.axes for line in axes.lines)
+
+
+@pytest.mark.parametrize("name", ["comparison", "error_against_evaluations"])
+def test_what_cannot_be_drawn_is_refused(name: str) -> None:
+    nothing = frame(criteria(12.0), {"broken": METHODS["broken"]})
+    with pytest.raises(ValueError, match="frame has no answer"):
+        getattr(plots, name)(nothing)
+    with pytest.raises(ValueError, match="frame has no column 'label'"):
+        getattr(plots, name)(nothing.drop(columns="label"))
+
+
+def test_every_answer_is_told(whole: pd.DataFrame) -> None:
+    told = plots.values(plots.comparison(whole))
+    answered = whole[whole["pf"].notna()]
+    by_method = dict.fromkeys(METHODS, 0)
+    for name, texts in told.items():
+        if name.startswith("method="):
+            by_method[name.split(";")[0].removeprefix("method=")] += len(texts)
+    assert {label: n for label, n in by_method.items() if n} == dict(
+        answered["label"].value_counts()
+    )
+    (first, *_) = told["method=biased;criterion=1 mission"]
+    assert first.startswith("T = 11 mm, 1 mission\npf = ")
+    assert "error 20.0 %\n250 evaluations\nunchecked" in first
+
+
+def test_errors_stand_over_the_evaluations_of_their_criterion(whole: pd.DataFrame) -> None:
+    axes = plots.error_against_evaluations(whole)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    found = drawn(axes, "biased", list(METHODS))
+    # six criteria and their median
+    np.testing.assert_allclose(found, [[250.0, 0.2]] * 7, rtol=1e-9)
+    # the references' two standard errors, 2 %, are the level below which nothing can be judged
+    assert max(patch.get_y() + patch.get_height() for patch in axes.patches) == pytest.approx(0.02)
+
+
+def test_methods_of_equal_cost_stand_side_by_side() -> None:
+    methods = {"a": Told(bias=0.1), "b": Told(bias=0.2)}
+    axes = plots.error_against_evaluations(frame(criteria(12.0), methods))
+    (a, *_), (b, *_) = (drawn(axes, label, ["a", "b"]) for label in methods)
+    assert a[0] < 100 < b[0]
+    assert b[0] / a[0] < 1.3
+
+
+def test_an_error_the_reference_cannot_judge_is_hollow() -> None:
+    methods = {"a": Told(bias=0.019), "b": Told(n=500, bias=0.021)}
+    axes = plots.error_against_evaluations(frame(criteria(12.0), methods))
+    styles = plots.method_styles(methods)
+    faces = {
+        label: {
+            to_hex(line.get_markerfacecolor()).upper()
+            for line in colored(axes, styles[label].color)[:2]
+            if len(line.get_xdata())
+        }
+        for label in methods
+    }
+    assert faces == {"a": {"#FFFFFF"}, "b": {styles["b"].color}}
+
+
+def test_errors_are_drawn_into_axes_of_the_callers(whole: pd.DataFrame) -> None:
+    from matplotlib.figure import Figure
+
+    left, right = Figure().subplots(1, 2)
+    assert plots.error_against_evaluations(whole, right) is right
+    assert not left.lines
+
+
+def test_the_same_frame_gives_the_same_files(whole: pd.DataFrame, tmp_path: Path) -> None:
+    first, again = (
+        plots.save(plots.comparison(whole), tmp_path / name / "pf-0.5", ["png", "svg"])
+        for name in "ab"
+    )
+    assert [path.name for path in first] == ["pf-0.5.png", "pf-0.5.svg"]
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in again]
+    assert first[0].read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+    assert b"deflection" in first[1].read_bytes()
+
+
+def test_settings_of_the_caller_stay_and_no_window_is_involved(
+    whole: pd.DataFrame, tmp_path: Path
+) -> None:
+    before = dict(mpl.rcParams)
+    plots.save(plots.comparison(whole), tmp_path / "one")
+    assert dict(mpl.rcParams) == before
+    code = (
+        "import sys\n"
+        "from tests.comparison.fakes import toy_records, Told\n"
+        "from uqfold.problems.criterion import criteria\n"
+        "from uqfold import plots\n"
+        "records = toy_records(criteria([11.0, 12.0]), {'exact': Told()})\n"
+        f"plots.save(plots.comparison(records.to_frame()), {str(tmp_path / 'two')!r})\n"
+        "print('matplotlib.pyplot' in sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True, text=True, check=True, cwd=Path(__file__).parents[2], timeout=120,
+    )  # fmt: skip
+    assert done.stdout.strip() == "False"
+    assert len(GRID) == 12
+
+
+def test_the_figures_of_a_comparison_are_written(whole: pd.DataFrame, tmp_path: Path) -> None:
+    from uqfold.report import write_figures
+
+    written = write_figures(whole, tmp_path / "new")
+    assert [path.name for path in written] == [
+        "comparison.png", "comparison.svg",
+        "error-against-evaluations.png", "error-against-evaluations.svg",
+    ]  # fmt: skip
+    assert sorted((tmp_path / "new").iterdir()) == sorted(written)
+    nothing = frame(criteria(12.0), {"broken": METHODS["broken"]})
+    assert write_figures(nothing, tmp_path / "none") == []

@@ -1,0 +1,157 @@
+"""How figures, tables and reports write numbers and criteria."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from uqfold.checks import instance
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Row: TypeAlias = Mapping[str, Any]
+"""One row of a comparison: column -> value."""
+
+
+NO_VALUE = "-"
+REFERENCE_STANDARD_ERRORS = 2.0
+"""Width of the band in which a reference cannot tell an estimate from the truth."""
+
+CriterionKey: TypeAlias = tuple[float, float | None, str]
+
+
+def criterion_key(row: Row) -> CriterionKey:
+    """Return what identifies the criterion of a row: threshold, tau or None, missions."""
+    return (row["threshold"], *panel_key(row))
+
+
+def panel_key(row: Row) -> tuple[float | None, str]:
+    """Return what identifies the curve over T to which a row belongs: tau or None, missions."""
+    tau = row["tau"]
+    return (None if math.isnan(tau) else tau), row["missions"]
+
+
+def quantity(value: float, unit: str) -> str:
+    """Write a number with its unit."""
+    return f"{value:g} {unit}".strip()
+
+
+def panel_text(key: tuple[float | None, str], unit: str) -> str:
+    """Write tau and missions, for instance ``tau = 0.04 s, 5 missions``."""
+    tau, missions = key
+    asked = [] if tau is None else [f"tau = {quantity(tau, unit)}"]
+    if missions.isdecimal():
+        asked.append("1 mission" if missions == "1" else f"{missions} missions")
+    else:
+        asked.append(f"missions ~ {missions}")
+    return ", ".join(asked)
+
+
+def criterion_text(key: CriterionKey, unit: str) -> str:
+    """Write a whole criterion, for instance ``T = 0.55 s, 1 mission``."""
+    return f"T = {quantity(key[0], unit)}, {panel_text(key[1:], unit)}"
+
+
+def scientific(value: float, digits: int) -> str:
+    """Write a number with that many significant digits and a short exponent: ``1.23e-4``."""
+    if math.isnan(value):
+        return NO_VALUE
+    if value == 0.0 or math.isinf(value):
+        return f"{value:g}"
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def probability(value: float, digits: int) -> str:
+    """Write a probability with that many significant digits: ``0.0123``, or ``1.23e-4``.
+
+    Plain decimals down to 0.001 and short of 1, where rounding would not hide the difference.
+    """
+    if 1e-3 <= value <= 1.0 - 0.5 * 10.0 ** (-digits):
+        return f"{value:.{digits - 1 - math.floor(math.log10(value))}f}"
+    return scientific(value, digits)
+
+
+def percent(value: float) -> str:
+    """Write a relative error in percent, with two or three significant digits.
+
+    Errors below 0.01 % are said to be so: no reader of the table needs their digits.
+    """
+    if math.isnan(value):
+        return NO_VALUE
+    scaled = 100.0 * value
+    if scaled >= 9999.5:
+        return f"{scientific(scaled, 2)} %"
+    if scaled >= 99.95:
+        return f"{scaled:.0f} %"
+    if scaled >= 0.995 or scaled == 0.0:
+        return f"{scaled:.1f} %"
+    return f"{scaled:.2g} %" if scaled >= 0.01 else "<0.01 %"
+
+
+def seconds_text(value: float) -> str:
+    """Write a duration with its unit."""
+    if value < 0.0095:
+        return f"{1e3 * value:.1f} ms"
+    if value < 0.9995:
+        return f"{1e3 * value:.0f} ms"
+    return f"{value:.1f} s" if value < 99.95 else f"{value:.0f} s"
+
+
+def count_text(value: int, *, short: bool = False) -> str:
+    """Write a number of evaluations: ``40,000``, or ``40.0k`` where room is short."""
+    if not short or value < 100_000:
+        return f"{value:,}"
+    for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if value >= size:
+            return f"{value / size:.3g}{letter}"
+    raise AssertionError(value)
+
+
+def reference_resolution(row: Row) -> float:
+    """Return the relative error below which the reference of a row cannot judge an estimate.
+
+    It is two standard errors of the reference over its pf; NaN without a reference.
+    """
+    if math.isnan(row["reference_pf"]) or row["reference_pf"] == 0.0:
+        return math.nan
+    return float(REFERENCE_STANDARD_ERRORS * row["reference_std_error"] / row["reference_pf"])
+
+
+def finite(values: Iterable[float]) -> list[float]:
+    """Return the finite ones among some numbers."""
+    return [value for value in values if math.isfinite(value)]
+
+
+def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a comparison.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `frame` is no frame of `uqfold.compare`, or has no rows.
+    """
+    import pandas as pd
+
+    remedy = "give a frame that uqfold.compare returned"
+    instance("frame", frame, pd.DataFrame, remedy)
+    needed = ("problem", "label", "threshold", "pf", "error", "status")
+    missing = [one for one in needed if one not in frame.columns]
+    if missing:
+        raise ValueError(f"frame has no column {missing[0]!r}: {remedy}")
+    rows: list[dict[str, Any]] = frame.to_dict("records")
+    return rows
+
+
+def answer_text(row: Row, unit: str) -> str:
+    """Write an answer in lines: criterion, pf, interval, error, evaluations, status."""
+    said = [criterion_text(criterion_key(row), unit), f"pf = {probability(row['pf'], 4)}"]
+    if not math.isnan(row["ci_low"] + row["ci_high"]):
+        ends = " .. ".join(probability(row[end], 3) for end in ("ci_low", "ci_high"))
+        said.append(f"interval {ends}")
+    if not math.isnan(row["error"]):
+        said.append(f"error {percent(row['error'])}")
+    said.append(f"{count_text(row['n_evals_row'])} evaluations")
+    return "\n".join([*said, row["status"].replace("_", " ")])
