@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -58,7 +59,10 @@ def save(
         # with_suffix would take the end of "pf-0.5" for a suffix
         file = stem.with_name(f"{stem.name}.{one}")
         with replacing(file) as stream:
-            _save(drawn, stream, one)
+            if one == "svg":
+                stream.write(svg_text(drawn).encode())
+            else:
+                _save(drawn, stream, one)
         written.append(file)
     return written
 
@@ -75,7 +79,12 @@ def svg_text(figure: Figure) -> str:
     """Return a figure as the text of an SVG file."""
     stream = io.BytesIO()
     _save(figure, stream, "svg")
-    return stream.getvalue().decode()
+    text = stream.getvalue().decode()
+    # matplotlib names what is referred to by places that differ in their last digits
+    names = dict.fromkeys(re.findall(r'id="([a-z][0-9a-f]{10})"', text))
+    for number, name in enumerate(names):
+        text = text.replace(name, f"{name[0]}{number}")
+    return text
 
 
 def _save(figure: Figure, stream: Any, format: str) -> None:
