@@ -9,7 +9,7 @@ from uqfold.mechanism import WingParameters
 from uqfold.mechanism.contact import contact_forces, hertz_stiffness
 from uqfold.mechanism.loads import drive_force, next_drive_corner
 from uqfold.mechanism.motion import LARGEST_TURN, accelerations, directions, gaps, turned
-from uqfold.mechanism.wing import sample_parameters, shared_parameters, wing_constants
+from uqfold.mechanism.wing import Wings, wing_constants
 from validation.mechanism.independent import Wing
 
 
@@ -19,7 +19,7 @@ def plain(kernel):
 
 
 def constants(p):
-    return wing_constants(shared_parameters(p), sample_parameters(p))
+    return wing_constants(Wings(p).table()[0])
 
 
 def test_stiffness_of_equation_6():

@@ -11,16 +11,16 @@ from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.mechanism import deployment as module
 from uqfold.mechanism.compiled import fingerprint
 from uqfold.mechanism.events import may_switch
+from uqfold.mechanism.lane_rows import LANES
 from uqfold.mechanism.lanes import (
     CONSTANT_ROWS,
     CONTROL_ROWS,
     GROUP,
-    LANES,
     STATE_ROWS,
     step_lanes,
 )
 from uqfold.mechanism.record import NO_RECORD
-from uqfold.mechanism.wing import WingConstants, sample_table, shared_parameters
+from uqfold.mechanism.wing import WingConstants, Wings
 
 TABLE_6 = WingParameters(C_r=0.0015)
 
@@ -38,9 +38,9 @@ def table_6_draws(n, seed=731):
 
 def scalar_times(parameters, tolerance=DEFAULT_TOLERANCE, **given):
     """Times from the scalar form, one sample after the other."""
-    samples = sample_table(parameters, given)
-    times = np.empty(len(samples))
-    module.deploy_rows(shared_parameters(parameters), samples, tolerance, times, NO_RECORD)
+    wings = Wings(parameters, given)
+    times = np.empty(len(wings))
+    module.deploy_rows(wings.table(), tolerance, times, NO_RECORD)
     return times
 
 
@@ -109,15 +109,14 @@ def test_the_tight_end_reaches_a_microsecond():
 
 
 def test_a_lane_stops_at_the_largest_number_of_steps():
-    samples = sample_table(TABLE_6, {"V_q": np.linspace(130, 150, 9)})
-    shared = shared_parameters(TABLE_6)
+    table = Wings(TABLE_6, {"V_q": np.linspace(130, 150, 9)}).table()
     times = np.empty(9)
     steps = [
-        module.deploy_rows(shared, sample[None], DEFAULT_TOLERANCE, np.empty(1), NO_RECORD)
-        for sample in samples
+        module.deploy_rows(table[i : i + 1], DEFAULT_TOLERANCE, np.empty(1), NO_RECORD)
+        for i in range(9)
     ]
     limit = sorted(steps)[4]
-    module.deploy_lanes(shared, samples, DEFAULT_TOLERANCE, limit, times)
+    module.deploy_lanes(table, DEFAULT_TOLERANCE, limit, times)
     assert (times == module.GIVEN_UP).tolist() == [count > limit for count in steps]
 
 
@@ -163,7 +162,8 @@ def test_the_loop_is_compiled_to_packed_instructions():
 
 def test_arrays_hold_whole_groups_and_every_field():
     assert LANES % GROUP == 0
-    assert len(WingConstants._fields) == CONSTANT_ROWS
+    assert len(WingConstants._fields) == CONSTANT_ROWS == 31
+    assert STATE_ROWS == 26
 
 
 def test_the_cache_is_keyed_by_every_source_of_the_room():

@@ -16,7 +16,7 @@ from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.mechanism.deployment import GIVEN_UP, MAX_STEPS, deploy_lanes
 from uqfold.mechanism.record import NO_RECORD
 from uqfold.mechanism.stiff import COARSE_STEPS, MAX_STIFF_STEPS, deploy_stiff
-from uqfold.mechanism.wing import sample_table, shared_parameters
+from uqfold.mechanism.wing import Wings
 
 TABLE_6 = WingParameters(C_r=0.0015)
 _STORED = json.loads((Path(__file__).parent / "stiff_wings.json").read_text())
@@ -27,14 +27,12 @@ LOCKING = STIFF[1]
 
 def explicit_time(wing, tolerance=DEFAULT_TOLERANCE, max_steps=MAX_STEPS):
     times = np.empty(1)
-    deploy_lanes(shared_parameters(wing), sample_table(wing, {}), tolerance, max_steps, times)
+    deploy_lanes(Wings(wing).table(), tolerance, max_steps, times)
     return times[0]
 
 
 def stiff_time(wing, tolerance=DEFAULT_TOLERANCE):
-    time, rough, steps = deploy_stiff(
-        shared_parameters(wing), sample_table(wing, {})[0], tolerance, NO_RECORD
-    )
+    time, rough, steps = deploy_stiff(Wings(wing).table(), tolerance, NO_RECORD)
     return time, rough, steps
 
 
@@ -69,9 +67,9 @@ def test_ordinary_wings_get_the_same_times(velocity):
     wing = TABLE_6.replace(tangential_velocity=velocity)
     rng = np.random.default_rng(20)
     draws = {"k_d": rng.normal(550, 10, 40), "b": rng.normal(0.007, 0.00025, 40)}
-    shared = shared_parameters(wing)
+    table = Wings(wing, draws).table()
     results = [
-        deploy_stiff(shared, row, DEFAULT_TOLERANCE, NO_RECORD) for row in sample_table(wing, draws)
+        deploy_stiff(table[i : i + 1], DEFAULT_TOLERANCE, NO_RECORD) for i in range(len(table))
     ]
     assert not any(rough for _, rough, _ in results)
     error = np.array([time for time, _, _ in results])

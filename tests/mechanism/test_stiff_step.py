@@ -11,13 +11,13 @@ from uqfold.mechanism.events import State
 from uqfold.mechanism.loads import drive_force
 from uqfold.mechanism.motion import accelerations, directions, gaps
 from uqfold.mechanism.stiff_step import differentiate, stiff_step
-from uqfold.mechanism.wing import sample_parameters, shared_parameters, wing_constants
+from uqfold.mechanism.wing import Wings, wing_constants
 
 TABLE_6 = WingParameters(C_r=0.0015)
 
 
 def constants(wing):
-    return wing_constants(shared_parameters(wing), sample_parameters(wing))
+    return wing_constants(Wings(wing).table()[0])
 
 
 def state_at(w, t, q, v, z_B, z_C):

@@ -120,7 +120,7 @@ def test_scales_are_far_from_those_of_the_paper():
     wing = WingParameters()
     K_B = hertz_stiffness(wing.R_b, wing.R_j_B, wing.E_1, wing.nu_1, wing.E_1, wing.nu_1)
     K_C = hertz_stiffness(wing.R_b, wing.R_j_C, wing.E_2, wing.nu_2, wing.E_1, wing.nu_1)
-    scale = scales_of(wing, wing, K_B, K_C)
+    scale = scales_of(wing, K_B, K_C)
     # drive, drag 0.5 rho C_0 b (l_1 + l_2) V^2, weights
     drag = 0.5 * 1.293 * 0.007 * 2.8 * 140**2
     masses = (2700 * 1.5 * 0.3 * 0.007, 2700 * 1.3 * 0.2 * 0.007, 7.87)

@@ -12,42 +12,69 @@ Q being the work of drive (13), drag (14) and gravity (16) per u. The state is
 calls a function, and many wings can advance in the lanes of vector instructions.
 """
 
+from typing import NamedTuple
+
 from uqfold.mechanism.compiled import inlined
 
 Five = tuple[float, float, float, float, float]
 """A state, or its rates."""
 
-Wing = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
-"""l_1, l_2; moments of inertia of crank (about A) and rod; masses of rod and slider; drags D of
-crank and rod; weights G of all three along X; k_d. In SI units, as in `WingConstants`."""
+
+class Wing(NamedTuple):
+    """What the equation of motion needs, in SI units.
+
+    J_A and J_2 are the moments of inertia of crank (about A) and rod, m_2 and m_3 the masses of rod
+    and slider, D and G drags and weights along X as in `uqfold.mechanism.wing.WingConstants`.
+    """
+
+    l_1: float
+    l_2: float
+    J_A: float
+    J_2: float
+    m_2: float
+    m_3: float
+    D_1: float
+    D_2: float
+    G_1: float
+    G_2: float
+    G_3: float
+    k_d: float
 
 
 @inlined
 def rates(wing: Wing, y: Five, t: float) -> Five:
     """Rates of the state `y` at time `t` (s)."""
-    l_1, l_2, J_A, J_2, m_2, m_3, D_1, D_2, G_1, G_2, G_3, k_d = wing
     c_1, s_1, c_2, s_2, w = y
-    p = l_2 * c_2
-    r = l_1 * c_1
+    p = wing.l_2 * c_2
+    r = wing.l_1 * c_1
     # rates by u of x_1 (doubled), x_2, x_3 and y_2 (doubled), and how they change along u
-    sink = l_1 * s_1 * p
-    rise = l_2 * s_2 * r
+    sink = wing.l_1 * s_1 * p
+    rise = wing.l_2 * s_2 * r
     x_2 = 0.5 * rise - sink
     x_3 = rise - sink
     y_2 = p * r
-    bend = l_1 * l_2 * s_1 * s_2
+    bend = wing.l_1 * wing.l_2 * s_1 * s_2
     sink_rate = y_2 * p - bend * r
     rise_rate = y_2 * r - bend * p
-    inertia = J_A * p * p + J_2 * r * r + m_2 * (x_2 * x_2 + 0.25 * y_2 * y_2) + m_3 * x_3 * x_3
+    inertia = (
+        wing.J_A * p * p
+        + wing.J_2 * r * r
+        + wing.m_2 * (x_2 * x_2 + 0.25 * y_2 * y_2)
+        + wing.m_3 * x_3 * x_3
+    )
     growth = (
-        m_2 * (x_2 * (0.5 * rise_rate - sink_rate) - 0.25 * y_2 * (sink * p + rise * r))
-        + m_3 * x_3 * (rise_rate - sink_rate)
-        - J_A * p * rise
-        - J_2 * r * sink
+        wing.m_2 * (x_2 * (0.5 * rise_rate - sink_rate) - 0.25 * y_2 * (sink * p + rise * r))
+        + wing.m_3 * x_3 * (rise_rate - sink_rate)
+        - wing.J_A * p * rise
+        - wing.J_2 * r * sink
     )
     # `drive_force` without a branch
-    drive = k_d * max(min(100.0 * t, 1.0, 62.0 - 100.0 * t), 0.0)
-    load = x_2 * (D_2 * abs(s_2) + G_2) - 0.5 * sink * (D_1 * abs(s_1) + G_1) + x_3 * (G_3 + drive)
+    drive = wing.k_d * max(min(100.0 * t, 1.0, 62.0 - 100.0 * t), 0.0)
+    load = (
+        x_2 * (wing.D_2 * abs(s_2) + wing.G_2)
+        - 0.5 * sink * (wing.D_1 * abs(s_1) + wing.G_1)
+        + x_3 * (wing.G_3 + drive)
+    )
     theta_1 = p * w
     theta_2 = r * w
     return (
@@ -118,7 +145,7 @@ def step(wing: Wing, y: Five, k_1: Five, t: float, h: float, c: float) -> tuple[
 @inlined
 def _on_curve(wing: Wing, y: Five, c: float) -> Five:
     """State moved, by the square of a small distance, back to unit circles and a closed loop."""
-    l_1, l_2 = wing[0], wing[1]
+    l_1, l_2 = wing.l_1, wing.l_2
     c_1, s_1, c_2, s_2, w = y
     scale = 1.5 - 0.5 * (c_1 * c_1 + s_1 * s_1)
     c_1 *= scale
@@ -144,7 +171,7 @@ def slider(wing: Wing, y: Five, w_rate: float) -> tuple[float, float, float]:
 
     `w_rate` is the last of the `rates` of the state y.
     """
-    l_1, l_2 = wing[0], wing[1]
+    l_1, l_2 = wing.l_1, wing.l_2
     c_1, s_1, c_2, s_2, w = y
     p = l_2 * c_2
     r = l_1 * c_1

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from uqfold.checks import instance, real, whole
 from uqfold.mechanism.compiled import entry_point, fingerprint, inlined
+from uqfold.mechanism.lane_rows import LANES
 from uqfold.mechanism.lanes import (
     CONSTANT_ROWS,
     CONTROL_ROWS,
-    LANES,
     STATE_ROWS,
     TIME,
     is_marked,
@@ -42,11 +42,9 @@ from uqfold.mechanism.timestep import (
 )
 from uqfold.mechanism.wing import (
     Samples,
-    as_sample,
+    Wings,
     initial_pose,
     is_possible,
-    sample_table,
-    shared_parameters,
     wing_constants,
 )
 
@@ -129,19 +127,19 @@ def deployment_times(
         threads = int(cast(Any, config).NUMBA_NUM_THREADS)
     else:
         threads = whole("threads", threads, at_least=1)
-    table = sample_table(parameters, samples)
-    shared = shared_parameters(parameters)
-    times = np.empty(len(table))
-    even = -(-len(table) // (_CHUNKS_PER_THREAD * threads))
+    wings = Wings(parameters, samples)
+    times = np.empty(len(wings))
+    even = -(-len(wings) // (_CHUNKS_PER_THREAD * threads))
     chunk = min(max(even, _SMALLEST_CHUNK), _LARGEST_CHUNK)
-    starts = range(0, len(table), chunk)
+    starts = range(0, len(wings), chunk)
 
     def run(start: int) -> int:
-        rows = slice(start, start + chunk)
-        deploy_lanes(shared, table[rows], tolerance, MAX_STEPS, times[rows])
+        table = wings.table(start, start + chunk)
+        found = times[start : start + chunk]
+        deploy_lanes(table, tolerance, MAX_STEPS, found)
         n_rough = 0
-        for i in start + np.flatnonzero(times[rows] == GIVEN_UP):
-            times[i], rough, _ = deploy_stiff(shared, table[i], tolerance, NO_RECORD)
+        for i in np.flatnonzero(found == GIVEN_UP):
+            found[i], rough, _ = deploy_stiff(table[i : i + 1], tolerance, NO_RECORD)
             n_rough += rough
         return n_rough
 
@@ -193,10 +191,10 @@ def _response(status: int, t: float) -> float:
 
 def _build_lanes(source: int) -> Callable[..., Any]:
     @entry_point
-    def deploy_lanes(shared, samples, tolerance, max_steps, times):  # type: ignore[no-untyped-def]
-        """Fill `times` (n,) for the `samples` (n, 9), a lane per sample.
+    def deploy_lanes(wings, tolerance, max_steps, times):  # type: ignore[no-untyped-def]
+        """Fill `times` (n,) for the table of `wings` (n,), a lane per wing.
 
-        A lane whose wing has come to its end takes the next sample; when there is none, it takes
+        A lane whose wing has come to its end takes the next one; when there is none, it takes
         over the last lane, so that the lanes in use are always the first ones.
         """
         limit = float(max_steps + 0 * source)  # source matters as a part of the cache key only
@@ -210,10 +208,10 @@ def _build_lanes(source: int) -> Callable[..., Any]:
         taken = none
         active = none
         while True:
-            while active < LANES and taken < len(samples):
-                sample = as_sample(samples[taken])
-                if is_possible(shared, sample):
-                    start_lane(shared, sample, constants, states, control, active)
+            while active < LANES and taken < len(wings):
+                p = wings[taken]
+                if is_possible(p):
+                    start_lane(p, constants, states, control, active)
                     rows[active] = taken
                     active += 1
                 else:
@@ -242,20 +240,20 @@ def _build_lanes(source: int) -> Callable[..., Any]:
 
 def _build_rows(source: int) -> Callable[..., Any]:
     @entry_point
-    def deploy_rows(shared, samples, tolerance, times, record):  # type: ignore[no-untyped-def]
-        """Fill `times` (n,) for the `samples` (n, 9), and `record` with the last one's time steps.
+    def deploy_rows(wings, tolerance, times, record):  # type: ignore[no-untyped-def]
+        """Fill `times` (n,) for the table of `wings` (n,), and `record` with the last one's steps.
 
-        Returns the number of time steps of the last sample; `record` (m, RECORD_WIDTH) takes the
+        Returns the number of time steps of the last wing; `record` (m, RECORD_WIDTH) takes the
         first m points of the motion, from the initial one on.
         """
         steps = 0 * source  # source matters as a part of the cache key only
-        for i in range(samples.shape[0]):
-            p = as_sample(samples[i])
-            if not is_possible(shared, p):
+        for i in range(len(wings)):
+            p = wings[i]
+            if not is_possible(p):
                 times[i] = math.nan
                 continue
-            w = wing_constants(shared, p)
-            state = initial_state(w, initial_pose(shared, p))
+            w = wing_constants(p)
+            state = initial_state(w, initial_pose(p))
             h = FIRST_STEP
             status = RUNNING
             steps = 0

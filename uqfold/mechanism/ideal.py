@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from uqfold.checks import instance, real
 from uqfold.mechanism.compiled import entry_point, fingerprint
-from uqfold.mechanism.ideal_lanes import LANES, follow, resting_lanes, start_lane
+from uqfold.mechanism.ideal_lanes import follow, resting_lanes, start_lane
+from uqfold.mechanism.lane_rows import LANES
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.wing import (
     Samples,
-    as_sample,
+    Wings,
     is_possible,
-    sample_table,
-    shared_parameters,
 )
 
 IDEAL_TOLERANCE = 1e-5
@@ -27,6 +26,9 @@ IDEAL_TOLERANCE = 1e-5
 
 FINEST_TOLERANCE, COARSEST_TOLERANCE = 1e-16, 1e-3
 """Bounds of the local error: the first is rounding, beyond the second times are off by 0.1 %."""
+
+_CHUNK = 4096
+"""Wings whose numbers are held at once."""
 
 
 def ideal_deployment_times(
@@ -73,33 +75,34 @@ def ideal_deployment_times(
     """
     instance("parameters", parameters, WingParameters, "give WingParameters(...)")
     tolerance = real("tolerance", tolerance, at_least=FINEST_TOLERANCE, at_most=COARSEST_TOLERANCE)
-    rows = sample_table(parameters, samples)
-    times = np.empty(len(rows))
-    _deploy(shared_parameters(parameters), rows, tolerance, times)
+    wings = Wings(parameters, samples)
+    times = np.empty(len(wings))
+    for start in range(0, len(wings), _CHUNK):
+        _deploy(wings.table(start, start + _CHUNK), tolerance, times[start : start + _CHUNK])
     return times
 
 
 def _build(source: int) -> Callable[..., Any]:
     @entry_point
-    def deploy(f, samples, tolerance, times):  # type: ignore[no-untyped-def]
-        """Fill `times` (n,) for the `samples` (n, 9)."""
+    def deploy(wings, tolerance, times):  # type: ignore[no-untyped-def]
+        """Fill `times` (n,) for the table of `wings` (n,)."""
         lanes = resting_lanes()
-        reach = math.hypot(f.x_lock, f.c)
         # source matters as a part of the cache key only
-        for first in range(0 * source, samples.shape[0], LANES):
+        for first in range(0 * source, len(wings), LANES):
             chunk = times[first : first + LANES]
             moving = 0
-            for j in range(chunk.shape[0]):
-                p = as_sample(samples[first + j])
+            for j in range(len(chunk)):
+                p = wings[first + j]
                 chunk[j] = math.nan
-                if not is_possible(f, p):
+                if not is_possible(p):
                     continue
-                if abs(p.l_1 - p.l_2) <= reach <= p.l_1 + p.l_2:
-                    start_lane(f, p, lanes, j)
+                if abs(p.l_1 - p.l_2) <= math.hypot(p.x_lock, p.c) <= p.l_1 + p.l_2:
+                    start_lane(p, lanes, j)
                     moving += 1
                 else:
                     chunk[j] = math.inf
-            follow(lanes, chunk, moving, f.c, f.x_lock, f.t_max, tolerance)
+            p = wings[first]
+            follow(lanes, chunk, moving, p.c, p.x_lock, p.t_max, tolerance)
 
     return deploy
 

@@ -5,6 +5,7 @@ it into vector instructions; what happens in few time steps only is seen to lane
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,66 +13,33 @@ from numpy.typing import NDArray
 from uqfold.mechanism.closed_loop import Five, Wing, rates, slider, step
 from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.events import NOT_IN_STEP, quintic
+from uqfold.mechanism.lane_rows import LANES, lane_access, row_count
 from uqfold.mechanism.loads import next_drive_corner
-from uqfold.mechanism.wing import SampleParameters, SharedParameters, wing_constants
-
-LANES = 32
-"""Wings that advance side by side."""
+from uqfold.mechanism.wing import Wing as WingNumbers
+from uqfold.mechanism.wing import wing_constants
 
 _STEP_AFTER_CORNER = 0.04
 _LARGEST_STEP = 0.1
 _SMALLEST_STEP = 1e-12
 _MAX_STEPS = 100_000
 
+
+class Motion(NamedTuple):
+    """State of a wing and its rates."""
+
+    state: Five
+    rates: Five
+
+
 # Rows of the table of lanes: the wing; time, next step, next corner of the drive, step taken and
-# whether to look closer; state and rates, now and before the step taken.
-_L_1, _L_2, _J_A, _J_2, _M_2, _M_3, _D_1, _D_2, _G_1, _G_2, _G_3, _K_D = range(12)
-_T, _H, _CORNER, _TAKEN, _LOOK = 12, 13, 14, 15, 16
-_STATE, _RATE, _OLD_STATE, _OLD_RATE = 17, 22, 27, 32
-_ROWS = 37
+# whether to look closer; motion now and before the step taken.
+_T, _H, _CORNER, _TAKEN, _LOOK = range(row_count(Wing), row_count(Wing) + 5)
+_NOW = _LOOK + 1
+_BEFORE = _NOW + row_count(Motion)
+_ROWS = _BEFORE + row_count(Motion)
 
-
-@inlined
-def _five(lanes: NDArray[np.float64], row: int, j: int) -> Five:
-    """Five numbers of lane `j`."""
-    k = row * LANES + j
-    return (
-        lanes[k],
-        lanes[k + LANES],
-        lanes[k + 2 * LANES],
-        lanes[k + 3 * LANES],
-        lanes[k + 4 * LANES],
-    )
-
-
-@inlined
-def _set_five(lanes: NDArray[np.float64], row: int, j: int, x: Five) -> None:
-    """Set five numbers of lane `j`."""
-    k = row * LANES + j
-    lanes[k] = x[0]
-    lanes[k + LANES] = x[1]
-    lanes[k + 2 * LANES] = x[2]
-    lanes[k + 3 * LANES] = x[3]
-    lanes[k + 4 * LANES] = x[4]
-
-
-@inlined
-def _wing(lanes: NDArray[np.float64], j: int) -> Wing:
-    """The wing of lane `j`."""
-    return (
-        lanes[_L_1 * LANES + j],
-        lanes[_L_2 * LANES + j],
-        lanes[_J_A * LANES + j],
-        lanes[_J_2 * LANES + j],
-        lanes[_M_2 * LANES + j],
-        lanes[_M_3 * LANES + j],
-        lanes[_D_1 * LANES + j],
-        lanes[_D_2 * LANES + j],
-        lanes[_G_1 * LANES + j],
-        lanes[_G_2 * LANES + j],
-        lanes[_G_3 * LANES + j],
-        lanes[_K_D * LANES + j],
-    )
+_wing, _put_wing = lane_access(Wing)
+_motion, _put_motion = lane_access(Motion)
 
 
 @kernel
@@ -84,40 +52,40 @@ def resting_lanes() -> NDArray[np.float64]:
 
 
 @kernel
-def start_lane(
-    f: SharedParameters, p: SampleParameters, lanes: NDArray[np.float64], j: int
-) -> None:
+def start_lane(p: WingNumbers, lanes: NDArray[np.float64], j: int) -> None:
     """Fill lane `j` with a wing at rest."""
-    w = wing_constants(f, p)
-    lanes[_L_1 * LANES + j] = w.l_1
-    lanes[_L_2 * LANES + j] = 2.0 * w.half_l_2
-    lanes[_J_A * LANES + j] = 1.0 / w.inverse_J_A
-    lanes[_J_2 * LANES + j] = 1.0 / w.inverse_J_2
-    lanes[_M_2 * LANES + j] = 1.0 / w.inverse_m_2
-    lanes[_M_3 * LANES + j] = 1.0 / w.inverse_m_3
-    lanes[_D_1 * LANES + j] = w.D_1
-    lanes[_D_2 * LANES + j] = w.D_2
-    lanes[_G_1 * LANES + j] = w.G_1
-    lanes[_G_2 * LANES + j] = w.G_2
-    lanes[_G_3 * LANES + j] = w.G_3
-    lanes[_K_D * LANES + j] = w.k_d
+    w = wing_constants(p)
+    wing = Wing(
+        l_1=w.l_1,
+        l_2=2.0 * w.half_l_2,
+        J_A=1.0 / w.inverse_J_A,
+        J_2=1.0 / w.inverse_J_2,
+        m_2=1.0 / w.inverse_m_2,
+        m_3=1.0 / w.inverse_m_3,
+        D_1=w.D_1,
+        D_2=w.D_2,
+        G_1=w.G_1,
+        G_2=w.G_2,
+        G_3=w.G_3,
+        k_d=w.k_d,
+    )
+    _put_wing(lanes, j, wing)
     lanes[_T * LANES + j] = 0.0
-    corner = next_drive_corner(0.0, f.t_max)
+    corner = next_drive_corner(0.0, p.t_max)
     lanes[_CORNER * LANES + j] = corner
     lanes[_H * LANES + j] = corner
     # the slider on the side nearer to A, as in `initial_pose`
-    s_1 = math.sin(f.theta_1_initial)
-    s_2 = (p.l_1 * s_1 + f.c) / p.l_2
-    y = (math.cos(f.theta_1_initial), s_1, math.sqrt(1.0 - s_2 * s_2), s_2, 0.0)
-    _set_five(lanes, _STATE, j, y)
-    _set_five(lanes, _RATE, j, rates(_wing(lanes, j), y, 0.0))
+    s_1 = math.sin(p.theta_1_initial)
+    s_2 = (p.l_1 * s_1 + p.c) / p.l_2
+    y = (math.cos(p.theta_1_initial), s_1, math.sqrt(1.0 - s_2 * s_2), s_2, 0.0)
+    _put_motion(lanes, _NOW * LANES + j, Motion(y, rates(wing, y, 0.0)))
 
 
 @kernel
-def _slider(lanes: NDArray[np.float64], state: int, j: int) -> tuple[float, float, float]:
-    """Position, velocity and acceleration of the slider; `state` is _STATE or _OLD_STATE."""
-    w_rate = lanes[(state + 9) * LANES + j]
-    return slider(_wing(lanes, j), _five(lanes, state, j), w_rate)
+def _slider(lanes: NDArray[np.float64], motion: int, j: int) -> tuple[float, float, float]:
+    """Return position, velocity and acceleration of the slider; `motion` is _NOW or _BEFORE."""
+    m = _motion(lanes, motion * LANES + j)
+    return slider(_wing(lanes, j), m.state, m.rates[4])
 
 
 @kernel
@@ -172,11 +140,10 @@ def _advance(lanes: NDArray[np.float64], c: float, x_lock: float, tolerance: flo
     """
     for j in range(LANES):
         wing = _wing(lanes, j)
-        y = _five(lanes, _STATE, j)
-        start_rates = _five(lanes, _RATE, j)
+        start = _motion(lanes, _NOW * LANES + j)
         t = lanes[_T * LANES + j]
         h = lanes[_H * LANES + j]
-        end, end_rates, error = step(wing, y, start_rates, t, h, c)
+        end, end_rates, error = step(wing, start.state, start.rates, t, h, c)
         kept = error <= tolerance
         # roots on the careful side of the fifth; the motion gets faster all the time, so a step
         # that has only just passed is no reason for a longer one; NaN gives 0.1
@@ -190,10 +157,9 @@ def _advance(lanes: NDArray[np.float64], c: float, x_lock: float, tolerance: flo
         left = lanes[_CORNER * LANES + j] - (t + taken)
         # two equal steps up to a corner rather than a long and a tiny one
         h_next = h_next if left > 2.0 * h_next else (0.5 * left if left > h_next else left)
-        _set_five(lanes, _OLD_STATE, j, y)
-        _set_five(lanes, _OLD_RATE, j, start_rates)
-        _set_five(lanes, _STATE, j, _chosen(kept, end, y))
-        _set_five(lanes, _RATE, j, _chosen(kept, end_rates, start_rates))
+        now = Motion(_chosen(kept, end, start.state), _chosen(kept, end_rates, start.rates))
+        _put_motion(lanes, _BEFORE * LANES + j, start)
+        _put_motion(lanes, _NOW * LANES + j, now)
         lanes[_T * LANES + j] = t + taken
         lanes[_TAKEN * LANES + j] = taken
         lanes[_H * LANES + j] = h_next if h > 0.0 else 0.0
@@ -211,9 +177,9 @@ def _look(lanes: NDArray[np.float64], j: int, x_lock: float, t_max: float) -> tu
     h = lanes[_H * LANES + j]
     if taken == 0.0:
         return h < _SMALLEST_STEP, math.nan
-    end = _slider(lanes, _STATE, j)
+    end = _slider(lanes, _NOW, j)
     if end[0] >= x_lock or end[1] < 0.0:
-        s = _lock_fraction(_slider(lanes, _OLD_STATE, j), end, taken, x_lock)
+        s = _lock_fraction(_slider(lanes, _BEFORE, j), end, taken, x_lock)
         if s < NOT_IN_STEP:
             return True, t - (1.0 - s) * taken
     corner = lanes[_CORNER * LANES + j]

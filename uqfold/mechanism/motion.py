@@ -135,7 +135,7 @@ def joint_force(
     penetration = distance - C_r
     rate = rate_x * n_x + rate_y * n_y
     sliding = rate_y * n_x - rate_x * n_y
-    if w.material:
+    if w.material != 0.0:
         sliding += roll
     else:
         # Eqs. (3), (4): the radii of the two contact points differ by C_r, and dn/dt is the

@@ -1,12 +1,8 @@
-"""What values a wing can have: a refusal that names the field, the value and the remedy."""
-
-from __future__ import annotations
+"""Which values fit together: a refusal that names the field, the value and the remedy."""
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import choice, real
+from uqfold.mechanism.parameter_list import ParameterList
 from uqfold.mechanism.scales import (
     LEAST_CLEARANCE,
     LONGEST_ARMS,
@@ -16,41 +12,8 @@ from uqfold.mechanism.scales import (
     scales_of,
 )
 
-if TYPE_CHECKING:
-    from uqfold.mechanism.parameters import WingParameters
 
-LARGEST = 1e30
-"""Largest value of any parameter in SI units, and what its inverse may be: far beyond any wing, and
-products of a few neither overflow nor vanish."""
-
-_NOT_NEGATIVE = {"V_q", "C_0", "rho_a", "C_f", "friction_v_0", "friction_v_1"}
-_ANY_SIGN = {"c", "k_d", "delta", "theta_1_initial", "x_lock"}
-
-
-def checked(name: str, value: Any, choices: Mapping[str, tuple[str, ...]]) -> float | str:
-    """Return the value as a float, or the choice, if the parameter can have it.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If it cannot.
-    """
-    if name in choices:
-        return choice(name, value, choices[name])
-    if name.startswith("nu_"):
-        return real(name, value, above=-1.0, at_most=0.5, what="Poisson's ratio")
-    number = real(name, value, what="value in SI units")
-    if name in _ANY_SIGN:
-        return real(name, number, at_least=-LARGEST, at_most=LARGEST, what="value in SI units")
-    if name in _NOT_NEGATIVE:
-        real(name, number, at_least=0.0, what="value in SI units")
-    else:
-        real(name, number, above=0.0, what="value in SI units")
-        real(name, number, at_least=1.0 / LARGEST, what="value in SI units")
-    return real(name, number, at_most=LARGEST, what="value in SI units")
-
-
-def check_joints(wing: WingParameters) -> None:
+def check_joints(wing: ParameterList) -> None:
     """Raise ValueError unless journals fit their bearings and joints lose energy."""
     for name in ("C_r_B", "C_r_C"):
         if getattr(wing, name) >= wing.R_b:
@@ -70,7 +33,7 @@ def check_joints(wing: WingParameters) -> None:
         )
 
 
-def check_assembly(wing: WingParameters) -> None:
+def check_assembly(wing: ParameterList) -> None:
     """Raise ValueError unless the wing can be put together and reach its lock from the start."""
     rise = wing.l_1 * math.sin(wing.theta_1_initial) + wing.c
     if abs(rise) >= wing.l_2:
@@ -93,7 +56,7 @@ def check_assembly(wing: WingParameters) -> None:
         )
 
 
-def check_scales(wing: WingParameters) -> None:
+def check_scales(wing: ParameterList) -> None:
     """Raise ValueError where a wing is outside the model, or too extreme to be resolved.
 
     Every bound lies orders of magnitude beyond the wings of the paper; see `scales`.
@@ -139,7 +102,7 @@ def check_scales(wing: WingParameters) -> None:
         )
     K_B = hertz_stiffness(wing.R_b, wing.R_j_B, wing.E_b_B, wing.nu_b_B, wing.E_j_B, wing.nu_j_B)
     K_C = hertz_stiffness(wing.R_b, wing.R_j_C, wing.E_b_C, wing.nu_b_C, wing.E_j_C, wing.nu_j_C)
-    scale = scales_of(wing, wing, K_B, K_C)
+    scale = scales_of(wing, K_B, K_C)
     # written so that NaN, from infinity times zero, is refused
     if not scale.load <= scale.capacity:
         raise ValueError(

@@ -29,12 +29,7 @@ from uqfold.mechanism.motion import (
 from uqfold.mechanism.parameters import WingParameters
 from uqfold.mechanism.record import NO_RECORD, RECORD_WIDTH
 from uqfold.mechanism.stiff import deploy_stiff
-from uqfold.mechanism.wing import (
-    WingConstants,
-    sample_parameters,
-    shared_parameters,
-    wing_constants,
-)
+from uqfold.mechanism.wing import WingConstants, Wings, wing_constants
 
 # Nodes and weights of the four-point Gauss rule on [0, 1]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -124,23 +119,21 @@ def trajectory(parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERAN
     """
     check_wing(parameters)
     tolerance = checked_tolerance(tolerance)
-    shared = shared_parameters(parameters)
-    sample = sample_parameters(parameters)
-    samples = np.array([sample])
+    wing = Wings(parameters).table()
     times = np.empty(1)
-    steps = deploy_rows(shared, samples, tolerance, times, NO_RECORD)
+    steps = deploy_rows(wing, tolerance, times, NO_RECORD)
     if times[0] == GIVEN_UP:
-        _, rough, steps = deploy_stiff(shared, samples[0], tolerance, NO_RECORD)
+        _, rough, steps = deploy_stiff(wing, tolerance, NO_RECORD)
         record = np.empty((steps + 1, RECORD_WIDTH))
-        times[0] = deploy_stiff(shared, samples[0], tolerance, record)[0]
+        times[0] = deploy_stiff(wing, tolerance, record)[0]
         if rough:
             warn_of_rough(1, 1)
     else:
         record = np.empty((steps + 1, RECORD_WIDTH))
-        deploy_rows(shared, samples, tolerance, times, record)
+        deploy_rows(wing, tolerance, times, record)
     contact = np.empty((steps + 1, 2, 4))
     energy = np.zeros((steps + 1, 8))
-    _audit(shared, sample, record, _NODES, _WEIGHTS, contact, energy)
+    _audit(wing, record, _NODES, _WEIGHTS, contact, energy)
     return Trajectory(
         time=record[:, 0],
         coordinates=record[:, 1:6],
@@ -212,14 +205,14 @@ def _joints_audit(
 
 def _build(source: int) -> Callable[..., Any]:
     @entry_point
-    def audit(shared, p, record, nodes, weights, contact, energy):  # type: ignore[no-untyped-def]
-        """Fill `contact` (n, 2, 4) and `energy` (n, 8) from the recorded motion.
+    def audit(wings, record, nodes, weights, contact, energy):  # type: ignore[no-untyped-def]
+        """Fill `contact` (n, 2, 4) and `energy` (n, 8) from the recorded motion of the one wing.
 
         `contact` holds penetration, normal force, tangential force and elastic energy per joint;
         `energy` the work of drive, drag and gravity, the losses by damping in B and C and by
         friction in B and C, all summed up from 0 by Gauss rules, and the kinetic energy.
         """
-        w = wing_constants(shared, p)
+        w = wing_constants(wings[0])
         # not read here; source matters as a part of the cache key only
         gaps = (0.0 * source, 0.0, 0.0, 0.0)
         for i in range(record.shape[0]):

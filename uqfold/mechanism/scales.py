@@ -46,7 +46,7 @@ class Scales(NamedTuple):
 def hertz_stiffness(
     R_b: float, R_j: float, E_b: float, nu_b: float, E_j: float, nu_j: float
 ) -> float:
-    """Stiffness K of Eq. (6).
+    """Return the stiffness K of Eq. (6).
 
     Parameters
     ----------
@@ -64,41 +64,41 @@ def hertz_stiffness(
     return 4.0 / (3.0 * compliance) * math.sqrt(R_b * R_j / (R_b + R_j))
 
 
-def scales_of(f: Any, p: Any, K_B: float, K_C: float) -> Scales:
-    """Scales of a wing.
+def scales_of(p: Any, K_B: float, K_C: float) -> Scales:
+    """Return the scales of a wing.
 
     Parameters
     ----------
-    f, p : WingParameters or the records of `uqfold.mechanism.wing`
-        Values that samples share, and those that may differ between them.
+    p : WingParameters, or a record of `uqfold.mechanism.wing`
+        The wing.
     K_B, K_C : float
         Stiffness of both contacts (N/m^1.5), Eq. (6).
     """
-    m_1 = f.rho_1 * p.l_1 * f.w_1 * p.b_1
-    m_2 = f.rho_2 * p.l_2 * f.w_2 * p.b_2
-    m_3 = f.rho_3 * f.V_3
-    drag = 0.5 * f.rho_a * f.C_0 * (p.b_1 * p.l_1 + p.b_2 * p.l_2) * p.V_q * p.V_q
-    load = abs(p.k_d) + drag + (m_1 + m_2 + m_3) * f.g
+    m_1 = p.rho_1 * p.l_1 * p.w_1 * p.b_1
+    m_2 = p.rho_2 * p.l_2 * p.w_2 * p.b_2
+    m_3 = p.rho_3 * p.V_3
+    drag = 0.5 * p.rho_a * p.C_0 * (p.b_1 * p.l_1 + p.b_2 * p.l_2) * p.V_q * p.V_q
+    load = abs(p.k_d) + drag + (m_1 + m_2 + m_3) * p.g
     # a third of the mass of a thin rod moves with its end, a quarter when both ends are free
     lightest = min(m_1 / 3.0, m_2 / 4.0, m_3)
-    root = math.sqrt(f.R_b)
+    root = math.sqrt(p.R_b)
     return Scales(
         load,
-        min(K_B, K_C) * f.R_b * root,
+        min(K_B, K_C) * p.R_b * root,
         math.sqrt(1.5 * max(K_B, K_C) * root / lightest),
     )
 
 
-def are_resolved(f: Any, p: Any, scale: Scales) -> bool:
-    """Whether a wing with these scales is one of the model, and its motion resolved.
+def are_resolved(p: Any, scale: Scales) -> bool:
+    """Return whether a wing with these scales is one of the model, and its motion resolved.
 
-    The arguments are those of `scales_of`, and its result.
+    `p` is that of `scales_of`, and `scale` its result.
     """
     arms = p.l_1 + p.l_2
     return (
         arms <= LONGEST_ARMS
         and min(p.C_r_B, p.C_r_C) >= LEAST_CLEARANCE * arms
-        and f.t_max <= LONGEST_TIME
+        and p.t_max <= LONGEST_TIME
         and scale.load <= scale.capacity
-        and scale.frequency * f.t_max <= MOST_VIBRATIONS
+        and scale.frequency * p.t_max <= MOST_VIBRATIONS
     )

@@ -38,7 +38,7 @@ from uqfold.mechanism.timestep import (
     settle,
     switched,
 )
-from uqfold.mechanism.wing import WingConstants, as_sample, initial_pose, wing_constants
+from uqfold.mechanism.wing import WingConstants, initial_pose, wing_constants
 
 # The error estimate is cruder than that of the explicit steps; with a tenth of their tolerance,
 # ordinary wings get times as accurate as theirs.
@@ -115,16 +115,16 @@ def _advance_coarsely(
 
 def _build(source: int) -> Callable[..., Any]:
     @entry_point
-    def deploy_stiff(shared, sample, tolerance, record):  # type: ignore[no-untyped-def]
-        """Follow one wing that can be built, a `sample` (9,), to its end.
+    def deploy_stiff(wings, tolerance, record):  # type: ignore[no-untyped-def]
+        """Follow one wing that can be built, the first in the table of `wings`, to its end.
 
         Returns its deployment time, +inf if it does not lock, whether that time is rough, and the
         number of time steps taken; `record` (m, RECORD_WIDTH) takes the first m points of the
         motion, from the initial one on.
         """
-        p = as_sample(sample)
-        w = wing_constants(shared, p)
-        state = initial_state(w, initial_pose(shared, p))
+        p = wings[0]
+        w = wing_constants(p)
+        state = initial_state(w, initial_pose(p))
         derivatives = np.empty((5, 10))
         allowed = _SHARE_OF_TOLERANCE * tolerance
         h = FIRST_STEP

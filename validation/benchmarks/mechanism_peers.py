@@ -16,13 +16,7 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from uqfold.mechanism.loads import DRIVE_FALL_END, DRIVE_FALL_START, DRIVE_RISE_END
-from uqfold.mechanism.wing import (
-    SampleParameters,
-    SharedParameters,
-    WingConstants,
-    initial_pose,
-    wing_constants,
-)
+from uqfold.mechanism.wing import Wing, WingConstants, initial_pose, wing_constants
 
 # A contact begins at this depth (m) and ends at this distance, so that each is seen to have begun.
 _HAIR = 1e-9
@@ -168,11 +162,10 @@ class Solver:
     rtol: float
     atol: float
 
-    def integrate(self, shared: SharedParameters, row: np.ndarray) -> float:
-        """Deployment time (s) of the wing with the sample parameters `row`."""
-        sample = SampleParameters(*row.tolist())
-        w = wing_constants(shared, sample)
-        start = np.array([*initial_pose(shared, sample), 0.0, 0.0, 0.0, 0.0, 0.0])
+    def integrate(self, p: Wing) -> float:
+        """Return the deployment time (s) of a wing."""
+        w = wing_constants(p)
+        start = np.array([*initial_pose(p), 0.0, 0.0, 0.0, 0.0, 0.0])
         segment = self._cvode(w) if self.name == "CVODE" else self._scipy(w)
         return _deploy(w, start, segment)
 

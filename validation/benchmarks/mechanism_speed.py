@@ -27,7 +27,7 @@ import numpy as np
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.mechanism.deployment import deploy_rows
 from uqfold.mechanism.record import NO_RECORD
-from uqfold.mechanism.wing import sample_table, shared_parameters
+from uqfold.mechanism.wing import Wings
 from validation.benchmarks.mechanism_peers import Solver
 
 Draws = dict[str, Any]
@@ -114,33 +114,31 @@ def peers() -> dict[str, list[Solver]]:
 
 
 def measure_peer(
-    name: str, settings: list[Solver], samples: np.ndarray, reference: np.ndarray, tuning: int
+    name: str, settings: list[Solver], wings: np.ndarray, reference: np.ndarray, tuning: int
 ) -> Result:
     """Choose the fastest setting that is accurate over a few draws, and measure it over all."""
-    shared = shared_parameters(PARAMETERS)
 
-    def runner(solver: Solver, rows: np.ndarray) -> Callable[[], np.ndarray]:
-        return lambda: np.array([solver.integrate(shared, row) for row in rows])
+    def runner(solver: Solver, some: np.ndarray) -> Callable[[], np.ndarray]:
+        return lambda: np.array([solver.integrate(wing) for wing in some])
 
-    settings[0].integrate(shared, samples[0])  # compiles
+    settings[0].integrate(wings[0])  # compiles
     tried = [
-        (measure(name, runner(solver, samples[:tuning]), reference), solver) for solver in settings
+        (measure(name, runner(solver, wings[:tuning]), reference), solver) for solver in settings
     ]
     accurate = [pair for pair in tried if pair[0].is_accurate()]
     # the smallest of the tolerances is accurate, if any is
     _, best = max(accurate or tried[-1:], key=lambda pair: pair[0].per_second)
-    result = measure(name, runner(best, samples), reference)
+    result = measure(name, runner(best, wings), reference)
     return replace(result, name=f"{name} (rtol {best.rtol:.0e}, atol {best.atol:.0e})")
 
 
 def measure_ours(draws: Draws, reference: np.ndarray, copies: int) -> tuple[Result, Result]:
     """Scalar form and lanes on one core."""
-    samples = sample_table(PARAMETERS, draws)
-    shared = shared_parameters(PARAMETERS)
+    wings = Wings(PARAMETERS, draws).table()
 
     def scalar() -> np.ndarray:
-        times = np.empty(len(samples))
-        deploy_rows(shared, samples, DEFAULT_TOLERANCE, times, NO_RECORD)
+        times = np.empty(len(wings))
+        deploy_rows(wings, DEFAULT_TOLERANCE, times, NO_RECORD)
         return times
 
     many: Draws = {name: np.tile(values, copies) for name, values in draws.items()}
@@ -199,11 +197,11 @@ def main() -> None:
     quick = parser.parse_args().quick
     n_slow, tuning = (8, 4) if quick else (60, 10)
     draws = draws_of_table_6(DRAWS)
-    samples = sample_table(PARAMETERS, draws)
+    wings = Wings(PARAMETERS, draws).table()
     reference = deployment_times(PARAMETERS, tolerance=1e-11, **draws)
 
     results = [
-        measure_peer(name, settings, samples[:n_slow], reference, tuning)
+        measure_peer(name, settings, wings[:n_slow], reference, tuning)
         for name, settings in peers().items()
     ]
     scalar, lanes = measure_ours(draws, reference, copies=10 if quick else 40)

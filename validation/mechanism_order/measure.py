@@ -29,7 +29,7 @@ from uqfold.mechanism import Trajectory, WingParameters, trajectory
 from uqfold.mechanism.loads import drive_force
 from uqfold.mechanism.motion import accelerations, directions, gaps
 from uqfold.mechanism.timestep import LARGEST_GROWTH, State, attempt
-from uqfold.mechanism.wing import sample_parameters, shared_parameters, wing_constants
+from uqfold.mechanism.wing import Wings, wing_constants
 from validation.mechanism.independent import Wing
 from validation.mechanism.parameter_sets import TABLE_6, means
 
@@ -61,7 +61,7 @@ def slope(steps: Sequence[float], errors: Sequence[float]) -> float:
 
 def contact_start(wing: WingParameters) -> tuple[State, Any, list[float]]:
     """Give a state with both contacts on for `STRETCH`, the kernels' constants, onset rates."""
-    w = wing_constants(shared_parameters(wing), sample_parameters(wing))
+    w = wing_constants(Wings(wing).table()[0])
     m = trajectory(wing, tolerance=1e-12)
     touching = m.penetration > 1e-9
     switches = np.flatnonzero((touching[1:] != touching[:-1]).any(axis=1)) + 1

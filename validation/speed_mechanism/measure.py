@@ -6,7 +6,7 @@ from uqfold.comparison.findings import Finding
 from uqfold.evidence import Measurement, Table
 from uqfold.evidence.work import Work
 from uqfold.mechanism import deployment_times
-from uqfold.mechanism.wing import sample_table
+from uqfold.mechanism.wing import Wings
 from validation.benchmarks.mechanism_speed import (
     DRAWS,
     LARGEST_MEDIAN,
@@ -31,7 +31,7 @@ def measure(work: Work) -> Measurement:
     """
     n_slow, tuning = work.pick((4, 1), (20, 8), (60, 10))
     draws = draws_of_table_6(DRAWS)
-    samples = sample_table(PARAMETERS, draws)
+    wings = Wings(PARAMETERS, draws).table()
     reference = deployment_times(PARAMETERS, tolerance=1e-11, **draws)
     chosen = {
         name: settings
@@ -39,7 +39,7 @@ def measure(work: Work) -> Measurement:
         if work.tier == "full" or name.endswith("Python right-hand side")
     }
     raced = [
-        measure_peer(name, settings, samples[:n_slow], reference, tuning)
+        measure_peer(name, settings, wings[:n_slow], reference, tuning)
         for name, settings in chosen.items()
     ]
     scalar, lanes = measure_ours(draws, reference, copies=work.pick(10, 10, 40))
