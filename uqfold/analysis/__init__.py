@@ -9,9 +9,11 @@ if TYPE_CHECKING:
     from uqfold.analysis.derivatives_by_simulation import score_derivatives
     from uqfold.analysis.derivatives_by_surface import surface_derivatives
     from uqfold.analysis.design import Design, Scan
+    from uqfold.analysis.design_table import designs_to_frame
     from uqfold.analysis.designed_input import design_input
     from uqfold.analysis.designed_threshold import design_threshold, design_thresholds
     from uqfold.analysis.fitted_surface import NoSurfaceError
+    from uqfold.analysis.independent_units import independence
     from uqfold.analysis.paired import PairedDifference, PairedDifferences, paired_differences
     from uqfold.analysis.pf_derivatives import InputParameter, PfDerivative, PfDerivatives
     from uqfold.analysis.sobol import SobolIndex, SobolIndices, chaos_sobol, pick_freeze
@@ -34,6 +36,8 @@ __all__ = [
     "design_input",
     "design_threshold",
     "design_thresholds",
+    "designs_to_frame",
+    "independence",
     "paired_differences",
     "pick_freeze",
     "score_derivatives",
@@ -51,11 +55,13 @@ __getattr__, __dir__ = lazy_exports(
         "Verification": "uqfold.analysis.verification",
         "verify": "uqfold.analysis.verification",
         "verify_all": "uqfold.analysis.verification",
+        "designs_to_frame": "uqfold.analysis.design_table",
         "design_input": "uqfold.analysis.designed_input",
         "design_threshold": "uqfold.analysis.designed_threshold",
         "design_thresholds": "uqfold.analysis.designed_threshold",
         "InputParameter": "uqfold.analysis.pf_derivatives",
         "NoSurfaceError": "uqfold.analysis.fitted_surface",
+        "independence": "uqfold.analysis.independent_units",
         "PairedDifference": "uqfold.analysis.paired",
         "PairedDifferences": "uqfold.analysis.paired",
         "paired_differences": "uqfold.analysis.paired",

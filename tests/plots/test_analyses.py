@@ -1,0 +1,135 @@
+"""Figures of analyses and benchmarks: everything asked for is drawn, where it belongs."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from uqfold import plots
+
+SOBOL = pd.DataFrame(
+    [
+        (label, name, order, value, value - 0.02, value + 0.02)
+        for label in ("pce", "pick-freeze")
+        for name, value in (("a", 0.7), ("b", 0.2), ("c", 1e-9))
+        for order in ("main", "total")
+    ],
+    columns=["label", "input", "order", "index", "ci_low", "ci_high"],
+)
+DERIVATIVES = pd.DataFrame(
+    [
+        (label, name, moment, t, t * sign, 0.1)
+        for label in ("kriging", "mc")
+        for name, sign in (("a", 1.0), ("b", -2.0))
+        for moment in ("mean", "standard deviation")
+        for t in (1.0, 2.0)
+    ],
+    columns=["label", "input", "moment", "threshold", "per_std", "per_std_error"],
+)
+FOUND = {
+    "label": "kriging", "parameter": "threshold on y", "unit": "s", "threshold": math.nan,
+    "tau": math.nan, "missions": "1", "seek": "smallest", "target_pf": 1e-3, "status": "found",
+    "value": 0.5717, "low": 0.57166, "high": 0.57174, "value_pf": 0.00104, "value_ci_low": 0.0009,
+    "value_ci_high": 0.0012, "safe_pf": 0.0007, "safe_ci_low": 0.0005, "safe_ci_high": 0.0009,
+}  # fmt: skip
+NOTHING = {
+    name: math.nan if isinstance(value, float) else value for name, value in FOUND.items()
+} | {"tau": 0.04, "missions": "5", "target_pf": 1e-3, "status": "met nowhere"}
+
+
+def legend(axes: Any) -> list[str]:
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_sobol_indices_of_every_input_and_method() -> None:
+    axes = plots.sobol(SOBOL)
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == ["a", "b", "c"]
+    assert legend(axes) == ["pce", "pick-freeze", "main", "total"]
+    # two methods, main and total, of which c is too small to be drawn
+    assert [np.isfinite(line.get_xdata()).sum() for line in axes.lines] == [2] * 4
+    assert axes.get_xlim()[0] > 0.0
+
+
+def test_derivatives_method_beside_method() -> None:
+    axes = plots.derivatives(DERIVATIVES[DERIVATIVES["threshold"] == 2.0])
+    points = [line for line in axes.lines if len(line.get_xdata()) == 4]
+    assert [sorted(line.get_xdata()) for line in points] == [[-4.0, -4.0, 2.0, 2.0]] * 2
+    # side by side, not on top of each other
+    assert np.ptp([line.get_ydata()[0] for line in points]) > 0.2
+    assert legend(axes) == ["kriging", "mc"]
+
+
+def test_derivatives_over_the_threshold() -> None:
+    own = DERIVATIVES[DERIVATIVES["label"] == "kriging"].iloc[::-1]
+    axes = plots.derivatives_over_threshold(own, "mean")
+    assert axes.get_legend_handles_labels()[1] == ["b", "a"]
+    drawn = [list(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) == 2]
+    assert [-2.0, -4.0] in drawn
+    assert "by the mean" in axes.get_ylabel()
+
+
+def test_designs_at_both_places_and_where_there_is_none() -> None:
+    left, right = plots.design(pd.DataFrame([FOUND, NOTHING])).axes
+    assert "met nowhere" in [text.get_text() for text in left.texts]
+    drawn = {x for line in right.lines for x in line.get_xdata() if math.isfinite(x)}
+    assert {0.00104, 0.0007, 1e-3} <= drawn
+    assert left.get_xlabel() == "smallest threshold on y (s)"
+    labels = [tick.get_text() for tick in left.get_yticklabels()]
+    assert labels == ["no $\\tau$, $m$ = 1", "$\\tau$ = 0.04, $m$ = 5"]
+
+
+def test_correlated_against_independent_units() -> None:
+    T = [1.0, 2.0]
+    table = pd.DataFrame(
+        {"units": [8, 8, 2, 2], "threshold": T * 2, "tau": math.nan, "missions": "1",
+         "pf": [0.5, 0.1, 0.2, 0.05], "pf_independent": [0.6, 0.15, 0.21, 0.06],
+         "difference": [0.1, 0.05, 0.01, 0.01], "sampled_responses": 32.0,
+         "sampled_difference": [math.nan, math.nan, 0.011, 0.009], "sampled_std_error": 0.001}
+    )  # fmt: skip
+    figure = plots.independence_panels(table)
+    body, gap, tail = figure.axes
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+        "$n$ = 2", "$n$ = 8", "correlated", "independent", "sampled, ± 2 s.e.",
+    ]  # fmt: skip
+    assert [line.get_ydata().tolist() for line in tail.lines] == [
+        [0.2, 0.05], [0.21, 0.06], [0.5, 0.1], [0.6, 0.15],
+    ]  # fmt: skip
+    np.testing.assert_allclose(body.lines[0].get_ydata(), [0.8, 0.95])
+    assert gap.lines[0].get_ydata().tolist() == [0.01, 0.01]
+
+
+def summary() -> pd.DataFrame:
+    rows = [
+        {"label": label, "method": label, "problem": "toy", "decade": decade, "answers": 4,
+         "n_evals": budget, "rms": error, "monte_carlo_rms": 1.0, "judged": label != "mc"}
+        for label, error in (("kriging", 0.01), ("mc", 0.3))
+        for budget in (100.0, 1125.0)
+        for decade in (-2, -4)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_errors_over_budgets() -> None:
+    figure = plots.benchmark_panels(summary(), [-2, -4])
+    assert len(figure.axes) == 2
+    drawn = [line.get_xdata().tolist() for line in figure.axes[0].lines if line.get_marker() == "P"]
+    assert [100.0, 1125.0] in drawn
+    assert not any(axes.texts for axes in figure.axes)
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts[-1] == "not beyond the reference's error"
+    with pytest.raises(ValueError, match="no reference lies"):
+        plots.benchmark_panels(summary(), [-9])
+    # where one decade of several was not asked, the panel says so
+    empty = plots.benchmark_panels(summary(), [-2, -9]).axes[1]
+    assert [text.get_text() for text in empty.texts] == ["not asked"]
+
+
+@pytest.mark.parametrize(
+    "axes", [plots.sobol(SOBOL), plots.derivatives(DERIVATIVES)], ids=["sobol", "derivatives"]
+)
+def test_figures_fit_a_column(axes: Any) -> None:
+    width, height = axes.figure.get_size_inches()
+    assert width <= 3.6
+    assert height <= 9.0

@@ -1,0 +1,117 @@
+"""Which method at which budget: error against evaluations, by problem and decade of pf."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from uqfold.checks import refused
+from uqfold.plots.panels import GREY, axes_or_new, key, legend_below
+from uqfold.plots.rows import distinct, having, joined
+from uqfold.plots.style import figure_settings, method_styles
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH_INCHES = 7.1
+"""Width of two columns of print."""
+ROW_INCHES = 1.75
+EXPECTED: Any = {"color": "#000000", "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+_SMALLEST, _LARGEST = 1e-5, 10.0
+NEEDS = ("label", "problem", "decade", "answers", "n_evals", "rms", "monte_carlo_rms", "judged")
+
+
+@figure_settings()
+def benchmark(summary: pd.DataFrame, ax: Axes | None = None) -> Axes:
+    """Draw the root mean square error of pf over evaluations, one curve per method.
+
+    Parameters
+    ----------
+    summary
+        Rows of `uqfold.comparison.benchmark_summary` of one problem and one decade of pf. A column
+        ``method`` with the registered name gives the colours; without it the labels do.
+    ax
+        Where to draw; None makes a figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    frame = joined(summary, NEEDS)
+    axes = axes_or_new(ax)
+    column = "method" if "method" in frame else "label"
+    axes.set(xscale="log", yscale="log", xlim=(20, 20_000), ylim=(_SMALLEST, _LARGEST))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
+    axes.xaxis.set_major_formatter(
+        lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
+    )
+    line = frame.sort_values("n_evals")
+    axes.plot(line["n_evals"], line["monte_carlo_rms"], **EXPECTED)
+    for name, look in method_styles(distinct(frame, column)).items():
+        own = having(frame, column, name).sort_values("n_evals")
+        # a budget that buys no further run buys no further point
+        own = own[own["answers"] > 0].drop_duplicates("n_evals", keep="last")
+        error = np.clip(own["rms"], _SMALLEST, _LARGEST)
+        axes.plot(own["n_evals"], error, "-", color=look.color, linewidth=1.0)
+        for judged, face in ((True, look.color), (False, "white")):
+            shown = (own["judged"] == judged).to_numpy()
+            axes.plot(
+                own["n_evals"][shown], error[shown], look.marker, color=look.color,
+                markersize=4.0, markerfacecolor=face, markeredgewidth=0.9,
+            )  # fmt: skip
+    return axes
+
+
+@figure_settings()
+def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
+    """Draw errors over evaluations: decades of pf below each other, problems side by side.
+
+    Parameters
+    ----------
+    summary
+        As in `benchmark`, of several problems and decades; all with or all without tau.
+    decades
+        Exponents d of the decades to draw, 10^d < reference <= 10^(d + 1).
+
+    Raises
+    ------
+    ValueError
+        If no answer lies in these decades.
+    """
+    from matplotlib.figure import Figure
+
+    frame = joined(summary, NEEDS)
+    frame = frame[frame["decade"].isin(list(decades)) & (frame["answers"] > 0)]
+    if frame.empty:
+        raise refused("decades", list(decades), "no reference lies in them")
+    problems = distinct(frame, "problem")
+    styles = method_styles(distinct(frame, "method" if "method" in frame else "label"))
+    size = (WIDTH_INCHES, ROW_INCHES * len(decades) + 1.0)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(len(decades), len(problems), squeeze=False, sharex=True, sharey=True)
+    for row, decade in zip(grid, decades, strict=True):
+        for axes, problem in zip(row, problems, strict=True):
+            own = frame[(frame["decade"] == decade) & (frame["problem"] == problem)]
+            if own.empty:
+                axes.text(0.5, 0.5, "not asked", transform=axes.transAxes, ha="center", color=GREY)
+            else:
+                benchmark(own, axes)
+        row[0].set_ylabel(f"pf 1e{decade} to 1e{decade + 1}")
+    for axes, problem in zip(grid[0], problems, strict=True):
+        axes.set_title(problem)
+    for axes in grid[-1]:
+        axes.set_xlabel("evaluations")
+    figure.supylabel("root mean square error of pf, Eq. (49)", fontsize=9.0)
+    handles = [key(name, marker=look.marker, color=look.color) for name, look in styles.items()]
+    handles.append(key("Monte Carlo, expected", **EXPECTED))
+    if not frame["judged"].all():
+        handles.append(
+            key("not beyond the reference's error", linestyle="", marker="o", color=GREY,
+                markerfacecolor="white")
+        )  # fmt: skip
+    legend_below(figure, handles, 4)
+    return figure

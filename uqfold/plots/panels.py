@@ -1,0 +1,104 @@
+"""Figures of panels one above another with one legend below.
+
+One column of panels is as wide as a column of print.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from uqfold.plots.style import COLUMN_INCHES, figure_settings
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANEL_INCHES = 2.4
+"""Width of a panel where several stand side by side."""
+LEGEND_COLUMN_INCHES = 1.55
+LEGEND_ROW_INCHES = 0.17
+CLOSE: dict[str, float] = {"handlelength": 1.4, "handletextpad": 0.5, "columnspacing": 0.9}
+SMALLEST_PF = 1e-8
+"""Failure probabilities below are not drawn unless a figure asks for them."""
+GREY = "#555555"
+
+
+@figure_settings()
+def stacked(heights: Sequence[float], columns: int, handles: Sequence[Any]) -> tuple[Figure, Any]:
+    """Make panels that share x in a column and y in a row.
+
+    Parameters
+    ----------
+    heights
+        Height of each row of panels (inches).
+    columns
+        How many panels stand side by side.
+    handles
+        What the legend shows.
+
+    Returns
+    -------
+    tuple[matplotlib.figure.Figure, numpy.ndarray]
+        The figure and its axes (rows, columns).
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    width = COLUMN_INCHES if columns == 1 else PANEL_INCHES * columns
+    fitting = max(1, int(width / LEGEND_COLUMN_INCHES))
+    rows = math.ceil(len(handles) / fitting)
+    height = sum(heights) + 0.55 + LEGEND_ROW_INCHES * rows
+    figure = Figure(figsize=(width, height), layout="constrained")
+    grid = figure.subplots(
+        len(heights), columns, squeeze=False, sharex=True, sharey="row", height_ratios=heights
+    )
+    for axes in grid[-1]:
+        axes.xaxis.set_major_locator(MaxNLocator(7 if columns == 1 else 5, steps=[1, 2, 5, 10]))
+    if handles:
+        # as few columns as these rows need, so that the last row is not nearly empty
+        legend_below(figure, handles, math.ceil(len(handles) / rows))
+    return figure, grid
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], columns: int) -> None:
+    """Put a legend below the panels: closer together, then in fewer columns, until it fits."""
+    tries = [(count, look) for count in range(columns, 0, -1) for look in ({}, CLOSE)]
+    for count, look in tries:
+        legend = figure.legend(handles=handles, loc="outside lower center", ncols=count, **look)
+        if legend.get_window_extent().width <= figure.bbox.width or (count, look) == tries[-1]:
+            break
+        legend.remove()
+    more = math.ceil(len(handles) / count) - math.ceil(len(handles) / columns)
+    figure.set_figheight(figure.get_figheight() + LEGEND_ROW_INCHES * more)
+
+
+def axes_or_new(ax: Axes | None, height: float = 2.6) -> Axes:
+    """Return the axes, or those of a new figure as wide as a column of print."""
+    from matplotlib.figure import Figure
+
+    if ax is not None:
+        return ax
+    return Figure(figsize=(COLUMN_INCHES, height), layout="constrained").subplots()
+
+
+def key(label: str, **look: Any) -> Any:
+    """Return an entry of a legend: a line, a mark or both."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **look)
+
+
+def limit_pf(axes: Axes, values: Iterable[float], smallest: float | None) -> None:
+    """Make an axis of pf logarithmic, from the smallest value shown up to one.
+
+    `smallest` is its lower end; None: that of the values, but not below `SMALLEST_PF`.
+    """
+    axes.set_yscale("log")
+    if smallest is None:
+        lowest = min((value for value in values if value > 0.0), default=SMALLEST_PF)
+        smallest = 10.0 ** np.floor(np.log10(max(lowest, SMALLEST_PF)) - 0.1)
+    axes.set_ylim(smallest, 1.6)
