@@ -1,0 +1,101 @@
+"""Example 3: deployment reliability of the folding wings.
+
+How reliable is the deployment of four folding wings over the deployment-time threshold T: how do
+the number of missions, its randomness and the synchronization threshold act, does FFNI with 1,125
+model runs agree with simulation of the same mechanism, and what would the assumption of independent
+wings cost?
+
+The reference is a simulation of the same mechanism, with its own standard error; the grey band is
+two of them, and errors smaller than that are drawn hollow. Points that the simulation does not
+resolve have no reference.
+
+The text gives m = 2, 5, 8, 10 for Fig. 15(a), N_t = 2, 4, 6, 8, 10 at p_m = 0.5 for (d), N_t = 10
+for (e), and the marks T = 0.545 s and 0.57 s. Ours are T from 0.53 to 0.59 s, tau from 0.03 to
+0.05 s, p_m = 0.3, 0.5, 0.7, 0.9, and n = 2, 4, 6, 8 wings for (h). Independent in (h) means that
+every wing's time is drawn from the marginal distribution; both curves come from the same
+conditional distributions, and the sampled differences from the mechanism alone.
+"""
+
+import sys
+from pathlib import Path
+
+import uqfold
+from uqfold import Binomial, criteria, plots
+from uqfold.analysis import independence
+
+sys.path.append(str(Path(__file__).parents[1]))
+from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
+from runner import Run, finish, main, new_page
+
+SPA, PEARSON = ({label: method} for label, method in FFNI.items())
+
+
+def tables(run: Run) -> None:
+    """Answer with FFNI; then set correlated wings against independent ones."""
+    wing = uqfold.problems.folding_wing()
+    problems = {"wing": wing}
+    run.problems(problems)
+    every = steps(0.53, 0.59, 0.0025)
+    T = run.choose(every, [0.545, 0.56, 0.575])
+    run.compare("no-sync", problems, SPA, criteria(T, None, [1, 2, 5, 8, 10]))
+
+    T = run.choose(every, [0.545, 0.57])
+    tau = run.choose([0.03, 0.035, 0.04, 0.045, 0.05], [0.03, 0.05])
+    run.compare("sync", problems, PEARSON, criteria(T, tau, [2, 5, 8, 10]))
+    tau = run.choose([0.03, 0.04, 0.05], [0.03, 0.05])
+    planned = [Binomial(number, 0.5) for number in (2, 4, 6, 8, 10)]
+    run.compare("planned", problems, PEARSON, criteria(T, tau, planned))
+    flown = [Binomial(10, p) for p in (0.3, 0.5, 0.7, 0.9)]
+    run.compare("flown", problems, PEARSON, criteria(T, tau, flown))
+
+    found = independence(
+        wing,
+        units=[2, 4, 6, 8],
+        criteria=criteria(run.choose(every, [0.545, 0.56, 0.575])),
+        method=FFNI["ffni-spa"],
+        draws=run.choose(16_384, 256),
+        evaluator=run.evaluator(wing),
+    )
+    run.keep("independence", found, problem="wing", label="ffni-spa")
+
+
+def page(run: Run) -> "uqfold.report.Page":
+    """Show Tables 6 and 7, and Fig. 15."""
+    page = new_page(run, __doc__)
+    page.section("Tables")
+    page.table(inputs_table(run, "wing"), "Table 6: random inputs")
+    page.table(
+        evaluations_table(run, "no-sync", "sync"),
+        "Table 7: evaluations of the model",
+        "Sizes are model runs (deployments), and so we read those of the paper: 2,000,000 without "
+        "and 1,200,000 with synchronization for its Monte Carlo, 1,125 for its methods.",
+    )
+    names = ("no-sync", "sync", "planned", "flown")
+    page.table(errors_table(run, *names), "Errors by decade of the failure probability")
+
+    page.section("Figures")
+    panels = plots.reliability_panels
+    over_m = {"curves": "missions", "panels": "tau"}
+    rows = run.rows("no-sync", missions=["2", "5", "8", "10"])
+    title = "Fig. 15(a): m missions, without synchronization"
+    page.figure(panels(rows, curves="missions"), title, name="fig-15a")
+    rows = run.rows("sync", missions=["2", "5"])
+    title = "Fig. 15(b): two and five missions, with synchronization"
+    page.figure(panels(rows, curves="tau", panels="missions"), title, name="fig-15b")
+    rows = run.rows("sync", tau=[0.03, 0.04, 0.05])
+    page.figure(panels(rows, **over_m), "Fig. 15(c): m, tau and T", name="fig-15c")
+    title = "Fig. 15(d): number of planned flights, each flown with probability 0.5"
+    page.figure(panels(run.rows("planned"), **over_m), title, name="fig-15d")
+    title = "Fig. 15(e): probability that each of ten planned flights is flown"
+    page.figure(panels(run.rows("flown"), **over_m), title, name="fig-15e")
+    title = "Fig. 15(f): error without synchronization"
+    page.figure(panels(run.rows("no-sync"), ["error"], curves="missions"), title, name="fig-15f")
+    title = "Fig. 15(g): error with synchronization"
+    page.figure(panels(rows, ["error"], **over_m), title, name="fig-15g")
+    title = "Fig. 15(h): correlated against independent, n wings"
+    page.figure(plots.independence_panels(run.rows("independence")), title, name="fig-15h")
+    return finish(page, run, FFNI)
+
+
+if __name__ == "__main__":
+    main(__file__, tables, page, tolerance=(0.02, 1e-5))

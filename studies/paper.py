@@ -1,0 +1,185 @@
+"""What the examples of the paper share: conditions, grids, and the tables of their reports."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+from runner import Run
+
+import uqfold
+from uqfold import criteria, plots
+
+FLOWN = uqfold.Binomial(10, 0.7)
+"""Ten planned missions, each flown with probability 0.7: Examples 4 and 5."""
+FFNI = {
+    "ffni-spa": uqfold.methods.FFNISaddlepoint(),
+    "ffni-pearson": uqfold.methods.FFNIPearson(),
+}
+SIMULATION = uqfold.methods.ConditionalMonteCarlo(blocks=96)
+CHECKED = {**FFNI, "simulation": SIMULATION}
+TAU = [0.03, 0.035, 0.04, 0.045, 0.05]
+"""Synchronization thresholds (s) of Examples 4 and 5."""
+SYMBOLS = {"V_q": "V_q", "delta": r"\delta", "b": "b", "k_d": "k_d", "C_r": "C_r"}
+UNITS = {"V_q": " m/s", "delta": "°", "b": " mm", "k_d": " N", "C_r": " mm"}
+
+CONDITIONS = {
+    1: ("V_q", "mean", 100.0),
+    2: ("V_q", "mean", 180.0),
+    3: ("delta", "mean", 30.0),
+    4: ("delta", "mean", -30.0),
+    5: ("b", "mean", 6.0),
+    6: ("b", "mean", 8.0),
+    7: ("k_d", "mean", 600.0),
+    8: ("k_d", "mean", 500.0),
+    9: ("C_r", "mean", 2.0),
+    10: ("C_r", "mean", 1.0),
+    11: ("V_q", "standard deviation", 1.0),
+    12: ("V_q", "standard deviation", 20.0),
+    13: ("delta", "standard deviation", 1.0),
+    14: ("delta", "standard deviation", 20.0),
+    15: ("b", "standard deviation", 0.01),
+    16: ("b", "standard deviation", 0.5),
+    17: ("k_d", "standard deviation", 1.0),
+    18: ("k_d", "standard deviation", 30.0),
+    19: ("C_r", "standard deviation", 0.005),
+    20: ("C_r", "standard deviation", 0.2),
+}
+"""The conditions of Tables 8 and 9: input, what is changed, and its value in the input's unit."""
+
+
+def condition(number: int) -> uqfold.Problem:
+    """Return the folding wing under one of the paper's conditions."""
+    name, moment, value = CONDITIONS[number]
+    if moment == "mean":
+        return uqfold.problems.folding_wing(means={name: value})
+    return uqfold.problems.folding_wing(standard_deviations={name: value})
+
+
+def steps(start: float, stop: float, step: float) -> list[float]:
+    """Return equally spaced numbers, both ends among them, as decimals: 0.5375 exactly."""
+    count = round((stop - start) / step) + 1
+    return [round(start + i * step, 6) for i in range(count)]
+
+
+def answer_pair(
+    run: Run, numbers: tuple[int, int], T: Sequence[float], few: Sequence[float], one: float
+) -> None:
+    """Answer two conditions as Examples 4 and 5 do: tables no-sync, sync and check of their input.
+
+    Parameters
+    ----------
+    T, few
+        Thresholds for FFNI, and for the simulation.
+    one
+        The threshold of the simulation in the reduced form.
+    """
+    name = CONDITIONS[numbers[0]][0]
+    problems = {f"condition-{number}": condition(number) for number in numbers}
+    spa, pearson, simulation = ({label: CHECKED[label]} for label in CHECKED)
+    T, missions = run.choose((T, [2, 5, 8, 10]), ([one, few[-1]], [2, 10]))
+    run.compare(f"{name}-no-sync", problems, spa, criteria(T, None, missions))
+    tau = run.choose(TAU, TAU[::4])
+    run.compare(f"{name}-sync", problems, pearson, criteria(T, tau, FLOWN))
+    if run.quick:
+        first = {f"condition-{numbers[0]}": condition(numbers[0])}
+        run.compare(f"{name}-check", first, simulation, criteria(one, None, 2), [2048])
+    else:
+        grid = criteria(few, [None, *TAU[::4]], [2, 10, FLOWN])
+        run.compare(f"{name}-check", problems, simulation, grid)
+
+
+def pair_panels(run: Run, numbers: tuple[int, int], sync: bool, **options: Any) -> Any:
+    """Draw two conditions against each other, with the simulation as marks."""
+    name = CONDITIONS[numbers[0]][0]
+    tau, missions = (TAU, str(FLOWN)) if sync else (None, ["2", "5", "8", "10"])
+    tables = (f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check")
+    rows = run.rows(*tables, tau=tau, missions=missions)
+    names = []
+    for number in numbers:
+        _, moment, value = CONDITIONS[number]
+        short = "mean" if moment == "mean" else "std. dev."
+        names.append(f"{number}: {short} of ${SYMBOLS[name]}$ {value:g}{UNITS[name]}")
+    return plots.reliability_panels(
+        rows, curves="tau" if sync else "missions", check="simulation", names=names,
+        smallest_pf=None if sync else 1e-6, **options,
+    )  # fmt: skip
+
+
+def inputs_table(run: Run, problem: str) -> pd.DataFrame:
+    """Return the random inputs of a problem as the paper prints them."""
+    frame = run.rows("inputs", problem=problem)
+    drawn = {"shared": "once per system", "individual": "per unit and mission"}
+    frame["drawn"] = frame["role"].map(drawn)
+    frame = frame.rename(columns={"std": "standard deviation"})
+    return frame[["input", "unit", "drawn", "distribution", "mean", "standard deviation"]]
+
+
+def changed_inputs(run: Run, numbers: Sequence[int]) -> pd.DataFrame:
+    """Return what the conditions change, beside what they change it from."""
+    usual = uqfold.problems.folding_wing().inputs
+    rows = []
+    for number in numbers:
+        name, moment, value = CONDITIONS[number]
+        row = run.rows("inputs", problem=f"condition-{number}", input=name).iloc[0]
+        one = usual.marginals[usual.names.index(name)]
+        before = one.getMean()[0] if moment == "mean" else one.getStandardDeviation()[0]
+        rows.append((number, name, moment, f"{value:g} {row['unit']}", f"{before:g} {row['unit']}"))
+    return pd.DataFrame(rows, columns=["condition", "input", "changed", "value", "instead of"])
+
+
+def evaluations_table(run: Run, *names: str) -> pd.DataFrame:
+    """Return the evaluations of every method, with a row for a reference by simulation."""
+    frame = run.rows(*names)
+    frame = frame[frame["pf"].notna()]
+    asked = frame["tau"].isna().map({True: "without", False: "with"})
+    counts = frame.groupby(["problem", "label", asked], sort=False)["n_evals"].agg(["min", "max"])
+    shown = counts.apply(
+        lambda row: " to ".join(f"{count:,}" for count in sorted({*row.tolist()})), axis=1
+    )
+    table = shown.unstack().reindex(columns=["without", "with"])
+    stated = run.tables["problems"].set_index("problem")["reference_how"]
+    deployments = stated.astype(str).str.extract(r"(\d+) deployments")[0].dropna()
+    known = frame[frame["reference_pf"].notna()]
+    for problem, count in deployments.items():
+        compared = set(asked[known.index[known["problem"] == problem]])
+        table.loc[(problem, "Monte Carlo, the reference"), list(compared)] = f"{int(count):,}"
+    table = table.reset_index().rename(columns={"label": "method"})
+    columns = {one: f"evaluations {one} synchronization" for one in ("without", "with")}
+    table = table.rename(columns=columns).sort_values("problem", kind="stable")
+    return table if table["problem"].nunique() > 1 else table.drop(columns="problem")
+
+
+def errors_table(run: Run, *names: str) -> pd.DataFrame:
+    """Return the signed relative errors of pf, by method and decade of the reference."""
+    frame = run.rows(*names)
+    frame = frame[frame["error"].notna()].copy()
+    frame["signed"] = (frame["pf"] - frame["reference_pf"]) / frame["reference_pf"]
+    frame["decade"] = frame["reference_pf"].map(lambda pf: math.ceil(math.log10(pf)) - 1)
+    frame["tau"] = frame["tau"].notna().map({True: "yes", False: "no"})
+    resolution = 2.0 * frame["reference_std_error"] / frame["reference_pf"]
+    frame["unjudged"] = frame["error"] <= resolution
+    found = frame.groupby(["problem", "label", "tau", "decade"]).agg(
+        criteria=("signed", "size"),
+        median=("signed", "median"),
+        low=("signed", "min"),
+        high=("signed", "max"),
+        unjudged=("unjudged", "sum"),
+    )
+    found = found.sort_index(ascending=[True, True, True, False]).reset_index()
+    found["decade"] = found["decade"].map(lambda one: f"1e{one} to 1e{one + 1}")
+    for column in ("median", "low", "high"):
+        found[column] = found[column].map(signed_percent)
+    if found["problem"].nunique() == 1:
+        found = found.drop(columns="problem")
+    return found.rename(columns={
+        "label": "method", "decade": "reference pf", "median": "median error", "low": "from",
+        "high": "to", "unjudged": "below the reference's own error",
+    })  # fmt: skip
+
+
+def signed_percent(error: float) -> str:
+    """Write a relative error with two digits, for instance ``-0.062 %``."""
+    if abs(error) < 1e-4:
+        return f"{'-' if error < 0.0 else '+'}<0.01 %"
+    return f"{100.0 * error:+.0f} %" if abs(error) >= 0.995 else f"{100.0 * error:+.2g} %"

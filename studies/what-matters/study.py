@@ -1,0 +1,177 @@
+"""What matters: which inputs the wing's reliability hangs on.
+
+Which inputs does the deployment time of a wing come from, and which of their means and standard
+deviations does the failure probability of the whole system answer to, over one and five missions,
+without and with synchronization, in the body and in the tail?
+
+Each answer is found twice, by ways that share nothing but the model. Sobol' indices: from a
+polynomial chaos expansion of 200 runs, and by pick-freeze sampling of the model itself.
+Derivatives: on the Kriging surface of 100 runs, whose inputs are moved without further runs, and by
+the score function on simulated systems of the real model, which needs no surface. The relative
+change of pf per standard deviation is sigma / pf times the derivative: 1 means that moving the
+parameter by a hundredth of the input's standard deviation changes pf by one per cent.
+"""
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+import uqfold
+from uqfold import criteria, plots
+from uqfold.analysis import chaos_sobol, pick_freeze, score_derivatives, surface_derivatives
+
+sys.path.append(str(Path(__file__).parents[1]))
+from paper import inputs_table
+from runner import Run, finish, main, new_page
+
+KRIGING = uqfold.methods.Kriging()
+CHAOS = uqfold.methods.PolynomialChaos(runs=200)
+BOTH = ("on-surface", "simulated")
+
+
+def tables(run: Run) -> None:
+    """Find indices and derivatives, each in two ways."""
+    wing = uqfold.problems.folding_wing()
+    run.problems({"wing": wing})
+    how = {"rng": 0, "evaluator": run.evaluator(wing)}
+    keep(run, "sobol-chaos", "pce", chaos_sobol(wing, CHAOS, **how))
+    samples = run.choose(1024, 64)
+    keep(run, "sobol-pick-freeze", "pick-freeze", pick_freeze(wing, samples, 8, **how))
+
+    T, tau, missions = run.choose(([0.55, 0.56, 0.57, 0.58], [None, 0.04], [1, 5]), (0.57, None, 1))
+    found = surface_derivatives(
+        wing, criteria(T, tau, missions), KRIGING, inputs=run.choose(None, ["k_d"]), **how
+    )
+    keep(run, "on-surface", "kriging", found)
+    T = run.choose([0.55, 0.56, 0.57], 0.55)
+    systems = run.choose(150_000, 2_000)
+    found = score_derivatives(wing, criteria(T, tau, missions), systems, **how)
+    keep(run, "simulated", "mc", found)
+
+
+def keep(run: Run, name: str, label: str, found: Any) -> None:
+    """Keep what an analysis found, with what it cost."""
+    frame = found.to_frame()
+    frame["shared"] = frame["shared"].map({True: "yes", False: "no"})
+    if hasattr(found, "mean"):
+        frame = frame.assign(response_mean=found.mean, response_std=found.std)
+    frame = frame.assign(n_evals=found.n_evals, seed=0)
+    run.keep(name, frame, problem="wing", label=label)
+
+
+def agreement(frame: pd.DataFrame, value: str, error: str) -> pd.DataFrame:
+    """Set two ways to the same number beside each other: do they agree?"""
+    keys = [name for name in ("input", "moment", "order", "threshold", "tau") if name in frame]
+    first, second = frame["label"].unique()
+    rows = []
+    for key, own in frame.groupby(keys, sort=False, dropna=False):
+        found = own.set_index("label")
+        line = dict(zip(keys, key, strict=True))
+        for label in (first, second):
+            line[label] = (
+                with_error(*found.loc[label, [value, error]]) if label in found.index else "-"
+            )
+        if len(found) == 2:
+            joint = math.hypot(*found[error])
+            difference = found[value][first] - found[value][second]
+            line["apart, in std. errors"] = abs(difference) / joint if joint > 0.0 else math.nan
+        rows.append(line)
+    return pd.DataFrame(rows)
+
+
+def with_error(value: float, error: float) -> str:
+    """Write a value with its error, to the error's second digit."""
+    if math.isnan(error) or error == 0.0:
+        return f"{value + 0.0:.3g}"
+    digits = min(max(1 - math.floor(math.log10(error)), 0), 8)
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
+
+
+def page(run: Run) -> "uqfold.report.Page":
+    """Show indices and derivatives, way beside way."""
+    page = new_page(run, __doc__)
+    indices = run.rows("sobol-chaos", "sobol-pick-freeze")
+    one = run.rows(*BOTH, missions="1", threshold=0.57)
+    page.section("Tables")
+    page.table(inputs_table(run, "wing"), "Random inputs")
+    page.table(
+        agreement(indices, "index", "std_error"),
+        "Sobol' indices of the deployment time",
+        "`main`: share of the variance by the input alone; `total`: with its interactions. The "
+        "index of all shared inputs together is the correlation of the deployment times of two "
+        "wings of one vehicle.",
+    )
+    page.table(
+        agreement(
+            run.rows(*BOTH, missions="1", threshold=[0.56, 0.57]), "per_std", "per_std_error"
+        ),
+        "Relative change of pf per standard deviation of the input, one mission",
+    )
+    page.table(
+        agreement(one, "elasticity", "elasticity_error"),
+        "Elasticities: relative change of pf per relative change of the parameter, one mission",
+        "The mean of delta is zero: a relative change of it means nothing, and its elasticity is "
+        "zero.",
+    )
+    page.section("Figures")
+    page.figure(
+        plots.sobol(indices),
+        "Where the variance of the deployment time comes from",
+        "Bars are intervals of 95 %; indices below 1e-6 are not drawn.",
+        name="sobol",
+    )
+    for missions, words in (("1", "one mission"), ("5", "five missions")):
+        page.figure(
+            side_by_side(run.rows(*BOTH, missions=missions, threshold=0.57)),
+            f"What pf answers to: T = 0.57 s, {words}",
+            "`kriging`: on its surface; `mc`: score function on simulated systems. Bars are "
+            "intervals of 95 %.",
+            name=f"derivatives-{words.replace(' ', '-')}",
+        )
+    page.figure(
+        over_threshold(run.rows("on-surface", missions="1")),
+        "From the body into the tail, one mission, on the surface",
+        name="derivatives-over-threshold",
+    )
+    return finish(page, run, {"kriging": KRIGING, "pce": CHAOS})
+
+
+def side_by_side(rows: pd.DataFrame) -> Figure:
+    """Draw derivatives without and with synchronization."""
+    figure = Figure(figsize=(5.7, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, own, title in (
+        (left, rows[rows["tau"].isna()], "no $\\tau$"),
+        (right, rows[rows["tau"].notna()], "$\\tau$ = 0.04 s"),
+    ):
+        plots.derivatives(own, axes)
+        axes.set_title(title)
+        axes.get_legend().remove()
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def over_threshold(rows: pd.DataFrame) -> Figure:
+    """Draw derivatives over T: by mean and by standard deviation, without and with tau."""
+    figure = Figure(figsize=(5.3, 4.3), layout="constrained")
+    grid = figure.subplots(2, 2, sharex=True, sharey="row")
+    for row, moment in zip(grid, ("mean", "standard deviation"), strict=True):
+        for axes, own in zip(
+            row, (rows[rows["tau"].isna()], rows[rows["tau"].notna()]), strict=True
+        ):
+            plots.derivatives_over_threshold(own, moment, axes)
+            axes.label_outer()
+    grid[0, 0].set_title("no $\\tau$")
+    grid[0, 1].set_title("$\\tau$ = 0.04 s")
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    return figure
+
+
+if __name__ == "__main__":
+    main(__file__, tables, page, tolerance=(1e-3, 1e-9))
