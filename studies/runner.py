@@ -367,8 +367,8 @@ def _close(one: float, other: float, tolerance: tuple[float, float]) -> bool:
 
 
 TEXTS = (
-    "missions", "message", "unit", "response_unit", "ci_kind",
-    "reference_kind", "reference_how", "reference_command", "verified_by", "value_meets", "safe_meets", "agrees",
+    "missions", "message", "unit", "response_unit", "ci_kind", "reference_kind", "reference_how",
+    "reference_command", "verified_by", "value_meets", "safe_meets", "agrees",
 )  # fmt: skip
 """Columns of texts that may all be empty, or look like numbers."""
 
