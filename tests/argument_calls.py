@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 import uqfold
+from tests.validation.records import full_record
 from uqfold import (
     analysis,
     comparison,
     evaluation,
-    evidence,
     inputs,
     mechanism,
     methods,
@@ -28,7 +28,9 @@ from uqfold import (
     problems,
     report,
     testing,
+    validation,
 )
+from uqfold.validation.record import write_case_record
 
 WRONG: dict[str, Any] = {
     "true": True,
@@ -164,7 +166,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "comparison.MethodRun", "comparison.RunHeader", "evaluation.EvaluationSession",
     "evaluation.RunningEstimate", "inputs.JointInputs",
     "mechanism.BaumgarteTrajectory", "mechanism.Trajectory", "methods.CriterionResult",
-    "methods.Task", "ReliabilityResult",
+    "methods.Task", "ReliabilityResult", "validation.CaseRecord", "validation.Work",
     # the package's own side of store, executors and sessions
     "analysis.Scan.of", "comparison.RunHeader.of", "comparison.RunHeader.from_document",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
@@ -173,6 +175,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "methods.AskTellSession.replay",
     "methods.Estimate.without_answer", "methods.Task.expect", "methods.Task.generator",
     "methods.Task.evaluate", "methods.Task.summed_up", "testing.LinearNormalSystem.response",
+    "validation.Work.parts", "validation.Work.pick",
     # records without fields: their verbs are in the table
     "ReliabilityMethod", "methods.SequentialMethod",
     # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
@@ -210,26 +213,12 @@ def calls(folder: Path) -> dict[str, Call]:
     cheap = methods.FFNIPearson()
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
     wing = mechanism.WingParameters(t_max=0.01)
-    finding = evidence.Finding("error", 0.5, 1.0)
-    column = evidence.Column("a")
-    table = evidence.Table("t", "T", (column,), ((1.0,),))
-    series = evidence.Series("s", (1.0,), (2.0,))
-    axis = evidence.Axis("x")
-    figure = evidence.Figure("f", "F", axis, axis, (series,))
-    measurement = evidence.Measurement((finding,))
-    case: dict[str, Any] = {
-        "name": text(), "topic": text(), "title": text(), "claim": text(),
-        "kind": choice("coverage"), "compared_with": text(), "uncertainty": text(),
-        "source": text(), "command": text(), "seeds": thing((1,)).also("empty list"),
-        "tolerance": text(), "verdict_rule": text(), "tier": choice("quick"),
-        "measurement": thing(measurement), "date": text("2026-01-01T00:00:00+00:00"),
-        "seconds": number().also("zero"), "machine": text(), "versions": thing({"numpy": "2"}),
-        "code": thing({"uqfold": "1"}), "faults": thing(()).also("empty list"),
-        "stored": optional(thing(None)), "error": text(),
-    }  # fmt: skip
-    case_record = evidence.CaseRecord(**{name: kind.good for name, kind in case.items()})
-    cases = folder / "cases"
-    case_path = evidence.write_case_record(case_record, cases)
+    finding = validation.Finding("error", 0.5, 1.0)
+    table = validation.Table("T", ("series", "x", "y"), (("a", 1.0, 2.0),))
+    points = validation.Points("P", "x", "y", table)
+    claim = validation.Claim("key", "It is so.", "Section 1", "always")
+    case_path = write_case_record(full_record(), folder / "cases" / "a_case.json")
+    cases = case_path.parent
     session = methods.Kriging(runs=6).start(problem, criterion, rng=1)
     saved = folder / "session.json"
     session.save(saved)
@@ -269,6 +258,7 @@ def calls(folder: Path) -> dict[str, Call]:
            for name in ("value", "limit")},
         "unit": text(), "at_least": flag(),
         "uncertainty": optional(number().also("zero", "infinity", "nan")), "remark": text(),
+        "claim": text(),
     }  # fmt: skip
     return {
         "Binomial": Call(
@@ -506,102 +496,57 @@ def calls(folder: Path) -> dict[str, Call]:
             evaluation.Store, {"path": Kind(str(store), store, frozenset({"text"}))}
         ),
         "evaluation.per_sample": Call(evaluation.per_sample, {"function": thing(limit_state)}),
-        "evidence.Axis": Call(
-            evidence.Axis, {"name": text(), "unit": text(), "scale": choice("log")}
-        ),
-        "evidence.CaseRecord": Call(evidence.CaseRecord, case),
-        "evidence.Column": Call(evidence.Column, {"name": text(), "unit": text()}),
-        "evidence.Figure": Call(
-            evidence.Figure,
+        "validation.Claim": Call(
+            validation.Claim,
             {
-                "name": text(),
-                "title": text(),
-                "x": thing(axis),
-                "y": thing(axis),
-                "series": thing((series,)).also("empty list"),
-                "x_marks": thing((("a", 1.0),)).also("empty list"),
-                "y_marks": thing(()).also("empty list"),
+                "key": text(),
+                "statement": text(),
+                "source": text(),
+                "rule": text(),
+                "identity": flag(),
             },
         ),
-        "evidence.Finding": Call(evidence.Finding, finding_kinds),
-        "evidence.Measurement": Call(
-            evidence.Measurement,
+        "validation.Finding": Call(validation.Finding, finding_kinds),
+        "validation.Measurement": Call(
+            validation.Measurement,
             {
                 "findings": thing((finding,)).also("empty list"),
                 "tables": thing((table,)).also("empty list"),
-                "figures": thing((figure,)).also("empty list"),
+                "points": thing((points,)).also("empty list"),
+                "claims": thing((claim,)).also("empty list"),
             },
         ),
-        "evidence.Measurement.of": Call(
-            evidence.Measurement.of,
+        "validation.Points": Call(
+            validation.Points,
             {
-                "findings": thing((finding,)).also("empty list"),
-                "tables": thing((table,)).also("empty list"),
-                "figures": thing((figure,)).also("empty list"),
-            },
-        ),
-        "evidence.PlantedFault": Call(
-            evidence.PlantedFault,
-            {
-                "name": text(),
-                "what": text(),
-                "verdict": optional(choice("holds")),
-                "turns_to": choice("holds"),
-            },
-        ),
-        "evidence.Series": Call(
-            evidence.Series,
-            {
-                "label": text(),
-                "x": numbers([1.0]).also("empty list"),
-                "y": numbers([2.0]).also("list of None", "empty list"),
-                "low": numbers([1.0]).also("list of None", "empty list"),
-                "high": numbers([3.0]).also("list of None", "empty list"),
-                "style": choice("points"),
-                "method": text(),
-                "reference": flag(),
-            },
-        ),
-        "evidence.StoredResult": Call(
-            evidence.StoredResult,
-            {
-                "date": text(),
-                "current": flag(),
-                "changed": thing(("a",)).also("empty list"),
-                "findings": thing((finding,)).also("empty list"),
-                "seconds": number().also("zero"),
-                "machine": text(),
-            },
-        ),
-        "evidence.Table": Call(
-            evidence.Table,
-            {
-                "name": text(),
                 "title": text(),
-                "columns": thing((column,)),
+                "x": text(),
+                "y": text(),
+                "table": thing(table),
+                "log": choice("xy"),
+                "limits": optional(thing({"a": 1.0})),
+            },
+        ),
+        "validation.Table": Call(
+            validation.Table,
+            {
+                "title": text(),
+                "columns": thing(("a",)),
                 "rows": thing(((1.0,),)).also("empty list", "nested list", "list of None"),
             },
         ),
-        "evidence.Table.of": Call(
-            evidence.Table.of, {"name": text(), "title": text(), "rows": thing([{"a": 1.0}])}
+        "validation.Table.of": Call(
+            validation.Table.of, {"title": text(), "rows": thing([{"a": 1.0}])}
         ),
-        "evidence.read_case_record": Call(
-            evidence.read_case_record,
+        "validation.read_case_record": Call(
+            validation.read_case_record,
             {"path": Kind(str(case_path), case_path, frozenset({"text"}))},
         ),
-        "evidence.read_case_records": Call(
-            evidence.read_case_records, {"folder": Kind(str(cases), cases, frozenset({"text"}))}
+        "validation.read_case_records": Call(
+            validation.read_case_records, {"folder": Kind(str(cases), cases, frozenset({"text"}))}
         ),
-        "evidence.verdict_of": Call(
-            evidence.verdict_of, {"findings": thing([finding]).also("empty list")}
-        ),
-        "evidence.write_case_record": Call(
-            evidence.write_case_record,
-            {
-                "record": thing(case_record),
-                "folder": Kind(str(cases), cases, frozenset({"text"})),
-                "stem": text("some").also("text"),
-            },
+        "validation.verdict_of": Call(
+            validation.verdict_of, {"findings": thing([finding]).also("empty list")}
         ),
         "inputs.JointInputs.in_order": Call(
             joint.in_order, {"order": numbers([1, 0]).also("empty list")}

@@ -90,7 +90,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
 
     monkeypatch.setattr("uqfold.cli.compare.run_comparison", spend)
     monkeypatch.setattr("uqfold.cli.study_session._make_results", spend)
-    monkeypatch.setattr("uqfold.evidence.runner.Validation.run", spend)
+    monkeypatch.setattr("uqfold.validation.runner.Validation.run", spend)
     words = {
         "compare": "compare series --method mc",
         "study": f"study run {ROOT / 'studies' / 'example-1'}",

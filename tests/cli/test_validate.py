@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.evidence.case_folder import DECLARED, MEASURE, make_case
-from tests.evidence.conftest import cases
+from tests.validation.case_folder import DECLARED, MEASURE, make_case
+from tests.validation.conftest import cases
 from uqfold.cli import main
 
 __all__ = ["cases"]
@@ -135,7 +135,7 @@ def test_only_what_is_stale_is_measured(
     words = ("--quick", "--faults", "--update", "--stale", "--cases", three, "--out", tmp_path)
     assert run("a", "b", *words) == 0
     assert "2 of 2 cases have no current record of the quick tier" in capsys.readouterr().err
-    (three / "b" / "measure.py").write_text(MEASURE + "\n")
+    (three / "b" / "measure.py").write_text(MEASURE + "X = 1\n")
     assert run("a", "b", *words) == 0
     said = capsys.readouterr()
     assert "1 of 2 cases have no current record" in said.err

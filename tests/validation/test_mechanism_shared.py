@@ -1,15 +1,13 @@
 """What the mechanism's cases share: wings, stored times, the table and the pictures."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from uqfold.comparison.findings import Finding
 from validation.against_exudyn import measure as exudyn
 from validation.against_scipy import measure as scipy
-from validation.mechanism import independent, parameter_sets, pictures, results_table
+from validation.mechanism import independent, parameter_sets, pictures
 
 
 def test_parameter_sets_cover_the_tables() -> None:
@@ -42,20 +40,6 @@ def test_stored_exudyn_times_are_those_of_exudyn() -> None:
     wing, stored = parameter_sets.parameter_sets()["table 10"], exudyn.stored_times()
     again = exudyn.exudyn_times(wing, [4 * exudyn.STEPS[-1]])[0]
     assert again == pytest.approx(stored["table 10"][-1], abs=exudyn.AGREEMENT)
-
-
-def test_the_page_has_the_table_of_the_records() -> None:
-    assert results_table.main(["--check"]) == 0
-
-
-def test_the_table_shows_a_broken_claim() -> None:
-    records = results_table.results()
-    text = results_table.table(records)
-    assert "does not hold" not in text
-    first = records[0]
-    broken = replace(first.measurement, findings=(Finding("difference", 3.0, 2.0),))
-    changed = [replace(first, measurement=broken, stored=None), *records[1:]]
-    assert "difference: 3 (at most 2) - does not hold" in results_table.table(changed)
 
 
 def test_pictures_are_drawn(tmp_path: Path) -> None:

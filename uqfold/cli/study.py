@@ -55,16 +55,6 @@ Examples:
   uqfold study check studies/example-1 --no-run
 """
 
-_CLAIMS_HELP = """Judge the paper's claims by the results of the studies, and write claims.md.
-
-Nothing is run. Each claim holds, does not hold, or cannot be judged; the page gives the numbers.
-
-\b
-Examples:
-  uqfold study claims
-  uqfold study claims --check
-"""
-
 _KEYS_HELP = """Print the reference of all keys of a study file, in Markdown.
 
 \b
@@ -149,22 +139,6 @@ def check_studies(
 
     invocation: Invocation = context.obj
     raise typer.Exit(check_all(folders or None, store, invocation, run=not no_run))
-
-
-@study_app.command(name="claims", help=_CLAIMS_HELP)
-def judge_claims(
-    root: Annotated[
-        Path, typer.Argument(metavar="[ROOT]", help="Folder of studies.")
-    ] = DEFAULT_ROOT,
-    *,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; fail if claims.md is out of date.")
-    ] = False,
-) -> None:
-    """Judge the claims."""
-    from uqfold.cli import study_claims
-
-    raise typer.Exit(study_claims.judge_claims(root, check=check))
 
 
 @study_app.command(name="keys", help=_KEYS_HELP)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +11,7 @@ import typer
 from uqfold.cli.invocation import Invocation, usage
 
 if TYPE_CHECKING:
-    from uqfold.evidence.record import Tier
+    from uqfold.validation.case import Tier
 
 VALIDATE_HELP = """Measure the validation cases, and say what holds.
 
@@ -90,7 +91,7 @@ def validate_cases(
 ) -> None:
     """Measure validation cases."""
     from uqfold.cli import validation_session as session
-    from uqfold.evidence.case import find_cases
+    from uqfold.validation.case import find_cases
 
     if quick and full:
         raise typer.BadParameter("--quick and --full: give one of them")
@@ -118,6 +119,6 @@ def validate_cases(
         invocation.interrupts,
         faults=update or not quick if faults is None else faults,
         update=update,
-        resume=session.resume_command(invocation.words),
+        resume=shlex.join(["uqfold", *invocation.words]),
     )
     raise typer.Exit(measuring.run())

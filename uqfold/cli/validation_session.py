@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 import uqfold
 from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, stdout_console
 from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.streams import shown_path
-from uqfold.evidence.case import Case
-from uqfold.evidence.changes import Changes, changes, kept_record
-from uqfold.evidence.check import KEPT_TIERS, discrepancies, report_discrepancies
-from uqfold.evidence.record import CaseRecord, Tier
-from uqfold.evidence.record_file import read_case_records, write_case_record
-from uqfold.evidence.runner import Validation
-from uqfold.evidence.side_by_side import for_workers, side_by_side
-from uqfold.report.layout import Cell, Grid
-from uqfold.report.page.write import write_page
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report
 from uqfold.report.validation_page import validation_page
-from uqfold.report.verdicts import VerdictTable, kept_text
+from uqfold.report.verdicts import kept_text, print_verdicts, stale_text
+from uqfold.validation.case import Case, Tier
+from uqfold.validation.changes import Changes, changes
+from uqfold.validation.check import KEPT_TIERS, discrepancies, kept_record, report_discrepancies
+from uqfold.validation.record import CaseRecord, read_case_records, write_case_record
+from uqfold.validation.runner import Validation
+from uqfold.validation.side_by_side import for_workers, side_by_side
 from uqfold.writing import check_writable
 
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
@@ -65,33 +63,24 @@ class ValidationSession:
     changes: dict[str, Changes] = field(default_factory=dict, init=False)
 
     def run(self) -> int:
-        """Measure all cases and report; give the exit code of the program."""
-        code = 0
+        """Measure all cases and report; return the exit code of the program."""
         check_writable(self.folder)
+        interrupted = False
         try:
             self._measure()
         except KeyboardInterrupt:
             done = f"{len(self.records)} of {len(self.cases)} cases are finished and kept"
-            _say(f"interrupted: {done}; to go on: {self.resume}")
-            code = EXIT_INTERRUPTED
+            say(f"interrupted: {done}; to go on: {self.resume}")
+            interrupted = True
         if self.records:
-            names = [case.name for case in self.cases]
-            self.records.sort(key=lambda record: names.index(record.name))
-            out = stdout_console(quiet=False)
-            out.print(VerdictTable(self.records))
-            out.print(f"\nkept records: {kept_text(list(self.changes.values()))}", highlight=False)
-            for name, found in self.changes.items():
-                for text in found.words:
-                    out.print(f"  {name}: {text}", highlight=False, markup=False, soft_wrap=True)
-            out.print(f"\nrecords: {shown_path(self.folder)}", highlight=False)
-            for path in self._write_reports():
-                out.print(f"report: {shown_path(path)}", highlight=False)
-        if code == 0 and any(found.broken for found in self.changes.values()):
-            code = EXIT_BROKEN
-        elif code == 0 and any(found.verdicts for found in self.changes.values()):
-            # with --update they are the kept ones from now on
-            code = 0 if self.update else EXIT_CHANGED
-        return code
+            self._report()
+        if interrupted:
+            return EXIT_INTERRUPTED
+        if any(found.broken for found in self.changes.values()):
+            return EXIT_BROKEN
+        # with --update they are the kept ones from now on
+        changed = any(found.verdicts for found in self.changes.values())
+        return EXIT_CHANGED if changed and not self.update else 0
 
     def _measure(self) -> None:
         names = [case.name for case in self.cases]
@@ -117,70 +106,69 @@ class ValidationSession:
         self.records.append(record)
         self.changes[case.name] = changes(kept_record(case, self.tier), record)
         if self.update and self.tier in KEPT_TIERS:
-            write_case_record(record, case.folder, self.tier)
+            write_case_record(record, case.kept(self.tier))
 
-    def _write_reports(self) -> list[Path]:
-        """Write the report on all records of the folder, and on the kept ones if these changed."""
+    def _report(self) -> None:
+        """Print what came out, and write the report on all records of the folder."""
+        names = [case.name for case in self.cases]
+        self.records.sort(key=lambda record: names.index(record.name))
+        out = stdout_console(quiet=False)
+        print_verdicts(out, self.records)
+        lines = [f"\nkept records: {kept_text(list(self.changes.values()))}"]
+        lines += [
+            f"  {name}: {text}" for name, found in self.changes.items() for text in found.words
+        ]
+        lines += [text for text in [stale_text(self.records)] if text]
+        lines.append(f"\nrecords: {shown_path(self.folder)}")
         report = self.folder / "report.html"
-        page = validation_page(read_case_records(self.folder), self.changes)
-        written = write_page(page, report)[:1]
+        written = validation_page(read_case_records(self.folder), self.changes).write(report)
         if self.update:
             written += write_kept_report(self.cases[0].folder.parent)[:1]
-        return written
+        lines += [f"report: {shown_path(path)}" for path in written]
+        for text in lines:
+            out.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def default_cases() -> Path:
-    """Give the folder of the cases: here, or beside the installed package (a clone)."""
+    """Return the folder of the cases: here, or beside the installed package (a clone)."""
     here = Path("validation")
     return here if here.is_dir() else Path(uqfold.__file__).resolve().parents[1] / "validation"
 
 
 def print_cases(cases: Sequence[Case]) -> None:
     """Print what each case claims."""
-    grid = Grid(
-        ("topic", "case", "kind", "faults", "title"),
-        [
-            [Cell(one.topic), Cell(one.name), Cell(one.kind), Cell(str(len(one.faults))),
-             Cell(one.title)]
-            for one in cases
-        ],
-        numeric=(3,),
-        gap=2,
-    )  # fmt: skip
-    out = stdout_console(quiet=False)
-    out.print(grid.head_line())
-    for text in grid.lines():
-        out.print(text)
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
+    for head in ("topic", "case", "kind", "faults", "title"):
+        table.add_column(head, no_wrap=head != "title")
+    for case in cases:
+        one = case.declared
+        table.add_row(one.topic, one.name, one.kind, str(len(case.faults)), Text(one.title))
+    stdout_console(quiet=False).print(table)
 
 
 def stale_cases(cases: Sequence[Case], tier: Tier) -> list[Case]:
-    """Give the cases whose kept record does not belong to them or to the code, and say how many."""
+    """Return the cases whose kept record does not belong to them or to the code, and say so."""
     stale = [case for case in cases if discrepancies(case, [tier])]
-    _say(f"{len(stale)} of {len(cases)} cases have no current record of the {tier} tier")
+    say(f"{len(stale)} of {len(cases)} cases have no current record of the {tier} tier")
     return stale
 
 
 def check_cases(cases: Sequence[Case]) -> int:
-    """Say whether cases, kept records and code belong together; give the exit code."""
+    """Say whether cases, kept records and code belong together; return the exit code."""
     found = {case.name: discrepancies(case) for case in cases}
     root = cases[0].folder.parent
     kept = kept_records(root)
     if {one.name for one in kept} <= set(found):
-        report = root / KEPT_REPORT
-        found[report.name] = report_discrepancies(report, kept)
+        found[KEPT_REPORT] = report_discrepancies(root / KEPT_REPORT, kept)
     for name, lines in found.items():
         for text in lines:
-            _say(f"{name}: {text}")
-    wrong = sum(bool(lines) for lines in found.values())
+            say(f"{name}: {text}")
+    wrong = any(found.values())
     if not wrong:
-        _say(f"{len(cases)} cases: records, code and claims belong together")
+        say(f"{len(cases)} cases: records, code and claims belong together")
     return EXIT_FAILED if wrong else 0
 
 
-def resume_command(words: Sequence[str]) -> str:
-    """Give the command that goes on."""
-    return shlex.join(["uqfold", *words])
-
-
-def _say(text: str) -> None:
+def say(text: str) -> None:
+    """Print a line on the standard error."""
     print(text, file=sys.stderr, flush=True)

@@ -11,9 +11,12 @@ from uqfold.checks import choice, instance, or_none, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.records import JSON_NAME, Records, read_records
-from uqfold.evidence.record import TIERS, CaseRecord
 from uqfold.report.page.blocks import Page
+from uqfold.report.page.builder import Page as BuiltPage
 from uqfold.report.page.write import Format, write_page
+from uqfold.validation.case import find_cases
+from uqfold.validation.check import KEPT_TIERS
+from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +30,7 @@ KEPT_REPORT = "report.md"
 """The report on the records that are kept beside the cases, in their folder."""
 
 
-def report_page(source: Source) -> Page:
+def report_page(source: Source) -> Page | BuiltPage:
     """Make the report on a comparison or on validation cases.
 
     Parameters
@@ -39,7 +42,7 @@ def report_page(source: Source) -> Page:
 
     Raises
     ------
-    uqfold.comparison.RecordsError, uqfold.evidence.RecordError
+    uqfold.comparison.RecordsError, uqfold.validation.RecordError
         If the records on disk cannot be read.
     ValueError
         If a frame is none of a comparison, or there are no records.
@@ -61,7 +64,6 @@ def report_page(source: Source) -> Page:
         from uqfold.comparison.frames import records_from_frame
 
         return report_page(records_from_frame(source))
-    from uqfold.evidence.record import CaseRecord
     from uqfold.report.validation_page import validation_page
 
     try:
@@ -109,15 +111,9 @@ def write_report(
 
 def kept_records(cases: Path) -> list[CaseRecord]:
     """Read the records kept beside the cases of a folder: of each case the most thorough one."""
-    from uqfold.evidence.record_file import read_case_record
-
-    found = []
-    for declared in sorted(cases.glob(f"*/{CASE_FILE}")):
-        tiers = (declared.with_name(f"{tier}.json") for tier in reversed(TIERS))
-        kept = next((path for path in tiers if path.is_file()), None)
-        if kept is not None:
-            found.append(read_case_record(kept))
-    return sorted(found, key=lambda record: (record.topic, record.name))
+    kept = ([case.kept(tier) for tier in KEPT_TIERS[::-1]] for case in find_cases(cases))
+    first = (next((path for path in paths if path.is_file()), None) for paths in kept)
+    return [read_case_record(path) for path in first if path is not None]
 
 
 def write_kept_report(cases: Path) -> list[Path]:
@@ -125,7 +121,7 @@ def write_kept_report(cases: Path) -> list[Path]:
     return write_report(kept_records(cases), cases / KEPT_REPORT)
 
 
-def _page_of(path: Path) -> Page:
+def _page_of(path: Path) -> Page | BuiltPage:
     """Make the report on a folder or file, after what it holds."""
     if path.is_dir():
         if (path / JSON_NAME).is_file():
@@ -136,12 +132,8 @@ def _page_of(path: Path) -> Page:
             raise ValueError(
                 f"{path.name} holds no records: run `uqfold compare` or `uqfold validate` first"
             )
-        from uqfold.evidence.record_file import read_case_records
-
         return report_page(read_case_records(path))
     if _says_validation(path):
-        from uqfold.evidence.record_file import read_case_record
-
         return report_page([read_case_record(path)])
     return report_page(read_records(path))
 

@@ -1,50 +1,33 @@
-"""The report on validation cases, as a page."""
+"""The report on validation cases, as a page; made from records alone, no model is run."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, get_args
+
+import pandas as pd
 
 import uqfold
-from uqfold.evidence.changes import Changes
-from uqfold.evidence.check import fingerprint
-from uqfold.evidence.record import CaseRecord, PlantedFault
-from uqfold.report.evidence_blocks import (
-    VERDICT_TONES,
-)
-from uqfold.report.page.blocks import (
-    Block,
-    Card,
-    Cards,
-    Cell,
-    Code,
-    Column,
-    Facts,
-    Link,
-    Page,
-    Paragraph,
-    Part,
-    Row,
-    Section,
-    Strong,
-    Table,
-    Tone,
-    Words,
-)
-from uqfold.report.validation_case import case_anchor, case_section
+from uqfold.report.page.builder import Page
+from uqfold.report.page.cells import Tone
+from uqfold.report.page.markup import literal
+from uqfold.report.validation_case import VERDICT_TONES, case_anchor, case_section
 from uqfold.report.verdicts import kept_text, reasons
 from uqfold.report.wording import seconds_text
+from uqfold.validation.changes import Changes
+from uqfold.validation.check import fingerprint
+from uqfold.validation.findings import Verdict
+from uqfold.validation.record import CaseRecord
 
 _NAMED = 3
-"""Claims that do not hold which the first screen names in a card; more of them get a table."""
-_LISTED = 6
-"""Rows of that table."""
+"""Cases that do not hold which a card names; more of them are named below."""
 
 
 def validation_page(
     records: Sequence[CaseRecord], changes: Mapping[str, Changes] | None = None
 ) -> Page:
-    """Make the report on validation cases.
+    """Return the report on validation cases.
 
     Parameters
     ----------
@@ -60,33 +43,49 @@ def validation_page(
     """
     if not records:
         raise ValueError("there are no records to report on: run `uqfold validate` first")
+    days = sorted({record.date[:10] for record in records})
+    tiers = Counter(record.tier for record in records)
+    page = Page(
+        "Does uqfold compute what it claims?",
+        f"{sum(map(_claims, records))} claims in {len(records)} cases, each with what it is "
+        "compared with, a tolerance with its reason, and a verdict. Measured "
+        f"{' to '.join(dict.fromkeys((days[0], days[-1])))}, "
+        f"{', '.join(f'{count} in the {tier} tier' for tier, count in tiers.items())}; the times "
+        f"of the cases add up to {_total_time(records)}.",
+        kind="Validation report",
+        imprint=f"Made by uqfold {uqfold.__version__} from records alone; no model was run. Digest "
+        f"of the records: `{fingerprint(records)}`.",
+    )
+    _summary(page, records, changes)
     topics: dict[str, list[CaseRecord]] = {}
     for record in records:
-        topics.setdefault(record.topic, []).append(record)
-    days = sorted({record.date[:10] for record in records})
-    when = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
-    tiers = Counter(record.tier for record in records)
-    how = ", ".join(f"{count} in the {tier} tier" for tier, count in tiers.items())
-    return Page(
-        title="Does uqfold compute what it claims?",
-        kicker="Validation report",
-        lead=f"{len(records)} claims, each with what it is compared with, a tolerance with its "
-        f"reason, and a verdict. Measured {when}, {how}, in {_total_time(records)}.",
-        summary=tuple(_summary(records, topics, changes)),
-        sections=(
-            Section("cases", "All cases", (_topics_table(topics), _cases_table(records)))
-            if sum(map(fails, records)) > _NAMED
-            else Section("cases", "All cases", (_cases_table(records),)),
-            *(_topic(topic, own, i) for i, (topic, own) in enumerate(topics.items())),
-            _reading(),
-        ),
-        imprint=[
-            f"Made by uqfold {uqfold.__version__} from records alone; no model was run. Digest of "
-            "the records: ",
-            Code(fingerprint(records)),
-            ".",
-        ],
+        topics.setdefault(record.case.topic, []).append(record)
+    page.section("All cases", name="cases")
+    page.table(_cases(records), "All cases", tones=VERDICT_TONES)
+    page.table(_topics(topics), "Verdicts by topic")
+    for topic, own in topics.items():
+        page.section(topic[:1].upper() + topic[1:], name=f"topic-{topic}")
+        for record in own:
+            case_section(page, record)
+    _reading(page)
+    return page
+
+
+def fails(record: CaseRecord) -> bool:
+    """Whether a case does not hold, was not measured, or missed a planted fault."""
+    broken = record.verdict == "does not hold"
+    return bool(broken or record.error or record.missed_faults)
+
+
+def _verdicts(records: Iterable[CaseRecord]) -> Counter[Verdict]:
+    """Verdicts of all claims, of which most cases have one."""
+    return Counter(
+        verdict for record in records for verdict in record.claims.values() or [record.verdict]
     )
+
+
+def _claims(record: CaseRecord) -> int:
+    return len(record.claims) or 1
 
 
 def _total_time(records: Sequence[CaseRecord]) -> str:
@@ -95,87 +94,95 @@ def _total_time(records: Sequence[CaseRecord]) -> str:
 
 
 def _summary(
-    records: Sequence[CaseRecord],
-    topics: dict[str, list[CaseRecord]],
-    changes: Mapping[str, Changes] | None,
-) -> Iterator[Block]:
-    kept = () if changes is None else (_kept_card(records, changes),)
-    yield Cards((_checked_card(records), _verdict_card(records), _failing_card(records), *kept))
+    page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Changes] | None
+) -> None:
+    kinds = Counter(record.case.kind for record in records)
+    claims = sum(map(_claims, records))
+    page.card(
+        "What was checked?",
+        "1 claim" if claims == 1 else f"{claims} claims",
+        f"By kind: {', '.join(f'{count} {kind}' for kind, count in kinds.most_common())}.",
+        _faults(records),
+    )
+    _verdict_card(page, records)
     failing = [record for record in records if fails(record)]
-    if len(failing) > _NAMED:
-        yield _failing_table(failing[:_LISTED])
-        if len(failing) > _LISTED:
-            yield Paragraph(f"and {len(failing) - _LISTED} more, in the table of all cases.")
-    else:
-        yield _topics_table(topics)
+    _failing_card(page, records, failing)
+    if changes is not None:
+        _kept_card(page, records, changes)
+    for record in failing if len(failing) > _NAMED else ():
+        page.text(f"- {_linked(record, _shortest(record))}")
 
 
-def _checked_card(records: Sequence[CaseRecord]) -> Card:
-    kinds = Counter(record.kind for record in records)
-    said = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
-    planted = [fault for record in records for fault in record.faults if fault.caught is not None]
-    more = [f"By kind: {said}."]
-    if planted:
-        caught = sum(fault.caught is True for fault in planted)
-        more.append(f"{caught} of {len(planted)} faults planted on purpose were noticed.")
-    else:
-        declared = sum(len(record.faults) for record in records)
-        more.append(f"{declared} faults can be planted; none was in this run.")
-    noun = "claim" if len(records) == 1 else "claims"
-    return Card("What was checked?", f"{len(records)} {noun}", tuple(more))
+def _faults(records: Iterable[CaseRecord]) -> str:
+    faults = [one for record in records for one in record.faults]
+    planted = [one for one in faults if one.caught is not None]
+    if not planted:
+        return f"{len(faults)} faults can be planted; none was in this run."
+    caught = sum(one.caught is True for one in planted)
+    return f"{caught} of {len(planted)} faults planted on purpose were noticed."
 
 
-def _verdict_card(records: Sequence[CaseRecord]) -> Card:
-    counts = Counter(record.verdict for record in records)
-    answer = f"{counts['holds']} of {len(records)} hold"
-    more: list[Words] = [
-        [Strong(f"{counts[verdict]} {_plural(verdict, counts[verdict])}", tone), "."]
-        for verdict, tone in VERDICT_TONES.items()
-        if verdict != "holds" and counts[verdict]
-    ]
+def _verdict_card(page: Page, records: Sequence[CaseRecord]) -> None:
+    counts = _verdicts(records)
+    more = []
+    for verdict in ("does not hold", "cannot be judged"):
+        number = counts[verdict]
+        plural = "do not hold" if verdict == "does not hold" and number > 1 else verdict
+        if number:
+            more.append(f"**{number} {plural}**.")
+    identities = sum(one.identity for record in records for one in record.measurement.claims)
+    if identities:
+        more.append(f"{identities} of those that hold: an identity, which is no evidence.")
     limits = Counter(one.verdict for record in records for one in record.judged if one.verdict)
-    said = f"{limits['holds']} of {limits.total()} limits are kept"
     open_ones = limits["cannot be judged"]
-    more.append(f"{said}; {open_ones} cannot be judged." if open_ones else f"{said}.")
+    more.append(
+        f"{limits['holds']} of {limits.total()} limits are kept"
+        + (f"; {open_ones} cannot be judged." if open_ones else ".")
+    )
     tone: Tone = "good"
     if counts["does not hold"]:
         tone = "bad"
     elif counts["cannot be judged"]:
         tone = "warn"
-    return Card("What holds?", answer, tuple(more), tone)
+    page.card("What holds?", f"{counts['holds']} of {counts.total()} hold", *more, tone=tone)
 
 
-def _kept_card(records: Sequence[CaseRecord], changes: Mapping[str, Changes]) -> Card:
-    compared = [(one, changes[one.name]) for one in records if one.name in changes]
-    more = tuple(_linked(record, text) for record, found in compared for text in found.words)
-    tone: Tone = "good"
-    if any(found.broken or found.verdicts for _, found in compared):
-        tone = "bad"
-    answer = kept_text([found for _, found in compared])
-    return Card("Is that what was found before?", answer[0].upper() + answer[1:], more, tone)
-
-
-def _plural(verdict: str, count: int) -> str:
-    return "do not hold" if verdict == "does not hold" and count > 1 else verdict
-
-
-def _failing_card(records: Sequence[CaseRecord]) -> Card:
+def _failing_card(page: Page, records: Sequence[CaseRecord], failing: Sequence[CaseRecord]) -> None:
     title = "What does not hold, and why?"
-    failing = [record for record in records if fails(record)]
     if not failing:
-        unjudged = [record for record in records if record.verdict == "cannot be judged"]
-        open_ones = tuple(_linked(one, _first_reason(one)) for one in unjudged[:_NAMED])
-        return Card(title, "Nothing", open_ones, "warn" if unjudged else "good")
+        unjudged = [one for one in records if one.verdict == "cannot be judged"]
+        said = [_linked(one, _first_reason(one)) for one in unjudged[:_NAMED]]
+        page.card(title, "Nothing", *said, tone="warn" if unjudged else "good")
+        return
     named = failing[: _NAMED if len(failing) <= _NAMED else 1]
-    more: tuple[Words, ...] = tuple(_linked(one, _first_reason(one)) for one in named)
+    said = [_linked(one, _first_reason(one)) for one in named]
     if len(failing) > len(named):
-        more = (*more, f"and {len(failing) - len(named)} more, in the table below.")
-    noun = "case" if len(failing) == 1 else "cases"
-    return Card(title, f"{len(failing)} {noun}", more, "bad")
+        said.append(f"and {len(failing) - len(named)} more, below.")
+    answer = "1 case" if len(failing) == 1 else f"{len(failing)} cases"
+    page.card(title, answer, *said, tone="bad")
 
 
-def _linked(record: CaseRecord, why: str) -> list[Part]:
-    return [Link(record.title, case_anchor(record)), f": {why}"]
+def _kept_card(page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Changes]) -> None:
+    compared = [(one, changes[one.name]) for one in records if one.name in changes]
+    said = [_linked(record, text) for record, found in compared for text in found.words]
+    stale = [one for one in records if one.stored is not None and not one.stored.current]
+    if stale:
+        said.append(
+            f"{len(stale)} cases quote a full record that was measured with other code: "
+            f"{', '.join(f'`{one.name}`' for one in stale)}."
+        )
+    bad = any(found.broken or found.verdicts for _, found in compared)
+    answer = kept_text([found for _, found in compared])
+    page.card(
+        "Is that what was found before?",
+        answer[0].upper() + answer[1:],
+        *said,
+        tone="bad" if bad else "good",
+    )
+
+
+def _linked(record: CaseRecord, why: str) -> str:
+    return f"[{literal(record.case.title)}](#{case_anchor(record)}): {literal(why)}"
 
 
 def _first_reason(record: CaseRecord) -> str:
@@ -189,126 +196,57 @@ def _shortest(record: CaseRecord) -> str:
     return _first_reason(record) + (f"; and {others} more" if others > 0 else "")
 
 
-def fails(record: CaseRecord) -> bool:
-    """Whether a case does not hold, was not measured, or missed a planted fault."""
-    broken = record.verdict == "does not hold"
-    return bool(broken or record.error or record.missed_faults)
-
-
-def _failing_table(failing: Sequence[CaseRecord]) -> Table:
-    rows = [
-        Row(
-            (
-                Cell([Link(record.title, case_anchor(record))]),
-                Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
-                Cell(_shortest(record)),
-            )
-        )
-        for record in failing
-    ]
-    columns = (Column("case"), Column("verdict"), Column("why"))
-    return Table("What does not hold, and why", columns, tuple(rows), tools=False)
-
-
-def _topics_table(topics: dict[str, list[CaseRecord]]) -> Table:
+def _topics(topics: Mapping[str, Sequence[CaseRecord]]) -> pd.DataFrame:
     rows = []
-    for i, (topic, records) in enumerate(topics.items()):
-        counts = Counter(record.verdict for record in records)
-        faults = [fault for record in records for fault in record.faults]
-        cells = [Cell([Link(topic, _topic_anchor(i))]), _count_cell(len(records), "")]
-        cells += [_count_cell(counts[verdict], tone) for verdict, tone in VERDICT_TONES.items()]
-        cells.append(_faults_cell(faults))
-        seconds = sum(record.seconds for record in records)
-        cells.append(Cell(seconds_text(seconds), seconds))
-        rows.append(Row(tuple(cells)))
-    heads = ["topic", "claims", *VERDICT_TONES, "faults noticed", "time"]
-    columns = tuple(Column(head, numeric=i > 0) for i, head in enumerate(heads))
-    return Table("Verdicts by topic", columns, tuple(rows), show_caption=False)
-
-
-def _count_cell(count: int, tone: Tone) -> Cell:
-    return Cell(str(count) if count else "–", float(count), tone if count else "quiet")
-
-
-def _faults_cell(faults: Sequence[PlantedFault]) -> Cell:
-    planted = [fault for fault in faults if fault.caught is not None]
-    if not planted:
-        return Cell("not planted" if faults else "–", -1.0, "quiet")
-    caught = sum(fault.caught is True for fault in planted)
-    tone: Tone = "good" if caught == len(planted) else "bad"
-    return Cell(f"{caught} of {len(planted)}", caught / len(planted), tone)
-
-
-def _cases_table(records: Sequence[CaseRecord]) -> Table:
-    columns = (
-        Column("case"),
-        Column("topic", choices=True),
-        Column("kind", choices=True),
-        Column("verdict", choices=True),
-        Column("limits kept", numeric=True),
-        Column("faults noticed", numeric=True),
-        Column("tier", choices=True),
-        Column("time", numeric=True),
-        Column("date"),
-    )
-    rows = []
-    for record in records:
-        judged = [one for one in record.judged if one.verdict is not None]
-        kept = sum(one.verdict == "holds" for one in judged)
+    for topic, records in topics.items():
+        counts = _verdicts(records)
         rows.append(
-            Row(
-                (
-                    Cell([Link(record.title, case_anchor(record))]),
-                    Cell(record.topic),
-                    Cell(record.kind),
-                    Cell(record.verdict, tone=VERDICT_TONES[record.verdict]),
-                    Cell(f"{kept} of {len(judged)}", float(kept)),
-                    _faults_cell(record.faults),
-                    Cell(record.tier),
-                    Cell(seconds_text(record.seconds), record.seconds),
-                    Cell(record.date[:10]),
-                )
-            )
+            {"topic": topic, "claims": counts.total()}
+            | {verdict: counts[verdict] for verdict in get_args(Verdict)}
+            | {"faults noticed": _noticed(records)}
         )
-    return Table("All cases", columns, tuple(rows), show_caption=False)
+    return pd.DataFrame(rows)
 
 
-def _topic(topic: str, records: Sequence[CaseRecord], index: int) -> Section:
-    title = topic[:1].upper() + topic[1:]
-    return Section(_topic_anchor(index), title, tuple(case_section(record) for record in records))
+def _cases(records: Sequence[CaseRecord]) -> pd.DataFrame:
+    return pd.DataFrame(map(_case_row, records))
 
 
-def _topic_anchor(index: int) -> str:
-    return f"topic-{index + 1}"
+def _case_row(record: CaseRecord) -> dict[str, Any]:
+    judged = [one for one in record.judged if one.verdict is not None]
+    kept = sum(one.verdict == "holds" for one in judged)
+    return {
+        "case": record.name,
+        "title": record.case.title,
+        "topic": record.case.topic,
+        "kind": record.case.kind,
+        "verdict": record.verdict,
+        "limits kept": f"{kept} of {len(judged)}",
+        "faults noticed": _noticed([record]),
+        "tier": record.tier,
+        "time (s)": record.seconds,
+        "date": record.date[:10],
+    }
 
 
-def _reading() -> Section:
+def _noticed(records: Iterable[CaseRecord]) -> str:
+    planted = [one.caught for record in records for one in record.faults if one.caught is not None]
+    return f"{sum(planted)} of {len(planted)}" if planted else "not planted"
+
+
+def _reading(page: Page) -> None:
     """Explain the words of the report."""
-    return Section(
-        "reading",
-        "How to read this",
-        (
-            Facts(
-                (
-                    ("holds", "at least one limit was judged, and every limit is kept"),
-                    ("does not hold", "one limit or more is broken"),
-                    (
-                        "cannot be judged",
-                        "no limit is broken, but one at least cannot be judged (the number lies "
-                        "closer to it than its own uncertainty, or nobody here can measure it), or "
-                        "there is none, or the measurement failed",
-                    ),
-                    (
-                        "planted fault",
-                        "an error made on purpose (a wrong sign, a stale reference); a case that "
-                        "still holds with it proves nothing",
-                    ),
-                    (
-                        "tier",
-                        "quick and default measure with small sizes, full with large ones; what "
-                        "full found earlier is quoted with its date",
-                    ),
-                )
-            ),
-        ),
+    page.section("How to read this", name="reading")
+    page.facts(
+        {
+            "holds": "at least one limit was judged, and every limit is kept",
+            "does not hold": "one limit or more is broken",
+            "cannot be judged": "no limit is broken, but one at least cannot be judged (the number "
+            "lies closer to it than its own uncertainty, or nobody here can measure it), or there "
+            "is none, or the measurement failed",
+            "planted fault": "an error made on purpose (a wrong sign, a stale reference); a case "
+            "that still holds with it proves nothing",
+            "tier": "quick and default measure with small sizes, full with large ones; what full "
+            "found earlier is quoted with its date",
+        }
     )

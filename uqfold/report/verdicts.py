@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from uqfold.evidence.changes import Changes
-from uqfold.evidence.record import CaseRecord
-from uqfold.report.layout import Cell, Grid, hanging, line
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
 from uqfold.report.wording import seconds_text
-
-if TYPE_CHECKING:
-    from rich.console import Console, ConsoleOptions
-    from rich.text import Text
+from uqfold.validation.changes import Changes
+from uqfold.validation.record import CaseRecord
 
 VERDICT_STYLES = {
     "holds": "green",
@@ -24,31 +22,37 @@ VERDICT_STYLES = {
 """Verdict -> style on a terminal."""
 
 
-@dataclass(frozen=True)
-class VerdictTable:
-    """Verdicts of some cases, ready for ``rich.console.Console.print``."""
-
-    records: Sequence[CaseRecord]
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
-        """Render the table in the width of the console."""
-        width = options.max_width
-        grid = Grid(
-            ("topic", "case", "verdict", "judged", "time"),
-            [_cells(record) for record in self.records],
-            numeric=(3, 4),
-            gap=2,
+def print_verdicts(console: Console, records: Sequence[CaseRecord]) -> None:
+    """Print the verdict of every case, and why one does not hold."""
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
+    for name in ("topic", "case", "verdict"):
+        table.add_column(name, no_wrap=True)
+    for name in ("judged", "time"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for record in records:
+        judged = [finding for finding in record.judged if finding.verdict is not None]
+        kept = sum(finding.verdict == "holds" for finding in judged)
+        table.add_row(
+            Text(record.case.topic, "dim"),
+            record.name,
+            Text(record.verdict, VERDICT_STYLES[record.verdict]),
+            f"{kept} of {len(judged)}",
+            seconds_text(record.seconds),
         )
-        yield grid.head_line()
-        yield from grid.lines()
-        yield line("")
-        yield line(counts_text(self.records))
-        for record in self.records:
-            yield from _reasons(record, width)
+    console.print(table)
+    console.print(Text(f"\n{counts_text(records)}"))
+    for record in records:
+        said = reasons(record)
+        if said:
+            style = VERDICT_STYLES[record.verdict]
+            console.print(Text(f"\n{record.name}: {record.verdict}", style))
+            console.print(Padding(Text(record.case.claim), (0, 0, 0, 2)))
+        for text in said:
+            console.print(Padding(Text(f"- {text}"), (0, 0, 0, 2)))
 
 
 def kept_text(changes: Sequence[Changes]) -> str:
-    """Say whether the verdicts are the kept ones."""
+    """Return whether the verdicts are the kept ones, in words."""
     broken = sum(bool(one.broken) for one in changes)
     changed = sum(bool(one.verdicts) and not one.broken for one in changes)
     same = len(changes) - broken - changed
@@ -61,19 +65,33 @@ def kept_text(changes: Sequence[Changes]) -> str:
 
 
 def counts_text(records: Sequence[CaseRecord]) -> str:
-    """Give the number of cases by verdict, and of planted faults that were caught."""
+    """Return the number of cases by verdict, and of planted faults that were caught."""
     counts: Counter[str] = Counter(record.verdict for record in records)
     words = [f"{counts[verdict]} {verdict}" for verdict in VERDICT_STYLES if counts[verdict]]
-    planted = [fault for one in records for fault in one.faults if fault.caught is not None]
     text = f"{len(records)} cases: {', '.join(words)}"
+    for record in records:
+        if record.claims:
+            of_claims = Counter(record.claims.values())
+            listed = ", ".join(f"{count} {verdict}" for verdict, count in of_claims.items())
+            text += f"; {len(record.claims)} claims of {record.name}: {listed}"
+    planted = [one for record in records for one in record.faults if one.caught is not None]
     if planted:
-        caught = sum(fault.caught is True for fault in planted)
+        caught = sum(one.caught is True for one in planted)
         text += f"; {caught} of {len(planted)} planted faults caught"
     return text
 
 
+def stale_text(records: Sequence[CaseRecord]) -> str:
+    """Return which cases quote a full record of other code; empty if none does."""
+    stale = [one.name for one in records if one.stored is not None and not one.stored.current]
+    if not stale:
+        return ""
+    quoted = f"{len(stale)} of {len(records)} cases quote a full record measured with other code"
+    return f"{quoted} ({', '.join(stale)}): uqfold validate --full --stale --update"
+
+
 def reasons(record: CaseRecord) -> list[str]:
-    """Say why a case does not hold, or cannot be judged."""
+    """Return why a case does not hold, or cannot be judged."""
     said = [record.error] if record.error else []
     if record.verdict != "holds" and not record.error:
         stored = record.stored
@@ -83,27 +101,5 @@ def reasons(record: CaseRecord) -> list[str]:
             if one.verdict == record.verdict:
                 full = f"full tier, {stored.date[:10]}: " if stored is not None and i >= own else ""
                 said.append(f"{full}{one.words}")
-    said += [f"the planted fault {one.name!r} went unnoticed" for one in record.missed_faults]
+    said += [f"the planted fault {one.fault.name!r} went unnoticed" for one in record.missed_faults]
     return said
-
-
-def _cells(record: CaseRecord) -> list[Cell]:
-    judged = [finding for finding in record.judged if finding.verdict is not None]
-    kept = sum(finding.verdict == "holds" for finding in judged)
-    return [
-        Cell(record.topic, "dim"),
-        Cell(record.name),
-        Cell(record.verdict, VERDICT_STYLES[record.verdict]),
-        Cell(f"{kept} of {len(judged)}"),
-        Cell(seconds_text(record.seconds)),
-    ]
-
-
-def _reasons(record: CaseRecord, width: int) -> Iterator[Text]:
-    said = reasons(record)
-    if said:
-        yield line("")
-        yield line(f"{record.name}: {record.verdict}", VERDICT_STYLES[record.verdict])
-        yield from hanging("  ", record.claim, width)
-    for text in said:
-        yield from hanging("  - ", text, width)

@@ -19,10 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import WingParameters, deployment_times
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.against_scipy.measure import TOLERANCE
 from validation.mechanism.faulty import late_onset, stale
 from validation.mechanism.parameter_sets import parameter_sets
@@ -133,8 +131,8 @@ def measure(work: Work) -> Measurement:
     if work.fault == "stale reference":
         expected = stale(stored)
     rows = compare(sets, expected, _late_onset if work.fault == "late onset" else uqfold_time)
-    table = Table.of("times", "Deployment times by uqfold and by exudyn", rows)
-    return Measurement.of([*judge(rows), *findings], [table])
+    table = Table.of("Deployment times by uqfold and by exudyn", rows)
+    return Measurement([*judge(rows), *findings], [table])
 
 
 if __name__ == "__main__":

@@ -22,10 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import WingParameters, deployment_times
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism.faulty import late_onset, stale
 from validation.mechanism.independent import deployment_time
 from validation.mechanism.parameter_sets import parameter_sets
@@ -168,8 +166,8 @@ def measure(work: Work) -> Measurement:
     if work.fault == "stale reference":
         expected = stale(stored)
     rows = compare(sets, expected, _late_onset if work.fault == "late onset" else uqfold_times)
-    table = Table.of("times", "Deployment times by uqfold and by SciPy", rows)
-    return Measurement.of([*judge(rows), *findings], [table])
+    table = Table.of("Deployment times by uqfold and by SciPy", rows)
+    return Measurement([*judge(rows), *findings], [table])
 
 
 if __name__ == "__main__":

@@ -10,11 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import WingParameters
 from uqfold.mechanism.baumgarte import BaumgarteTrajectory, baumgarte_trajectory
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.against_exudyn.measure import SETS, uqfold_time
 from validation.against_scipy.measure import AGREEMENT
 from validation.mechanism.faulty import late_onset
@@ -98,5 +96,5 @@ def measure(work: Work) -> Measurement:
     time = _late_onset if work.fault == "late onset" else uqfold_time
     move = _drifting if work.fault == "drift" else motion
     rows = compare(names, time, move, COEFFICIENTS[::2] if quick else COEFFICIENTS)
-    table = Table.of("times", "Deployment times of both forms, and drift of the constraints", rows)
-    return Measurement.of(judge(rows), [table])
+    table = Table.of("Deployment times of both forms, and drift of the constraints", rows)
+    return Measurement(judge(rows), [table])

@@ -11,9 +11,7 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
+from uqfold.validation import Finding, Measurement, Table, Work
 
 MEGABYTE = 1e6
 MOST = 500.0
@@ -99,4 +97,4 @@ def measure(work: Work) -> Measurement:
                 f"growth from a tenth of the systems, {kind}", peak - few_peak, MOST_GROWTH, "MB"
             ),
         ]
-    return Measurement.of(findings, [Table.of("memory", "Peak resident memory", rows)])
+    return Measurement(findings, [Table.of("Peak resident memory", rows)])

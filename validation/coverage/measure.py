@@ -14,15 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods import available
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.result import NO_ANSWER
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.testing.curved import CurvedSystem
 from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.validation import Finding, Measurement, Table, Work
 
 SYSTEM = LinearNormalSystem(units=3, shared_std=0.5)
 QUESTIONS = {
@@ -171,8 +169,8 @@ def measure(work: Work) -> Measurement:
             if row is not None:
                 rows.append(row)
     findings = [finding for row in rows for finding in judge(row)]
-    table = Table.of("coverage", "Intervals of 95 %, and errors against the stated ones", rows)
-    return Measurement.of(findings, [table])
+    table = Table.of("Intervals of 95 %, and errors against the stated ones", rows)
+    return Measurement(findings, [table])
 
 
 def _fits(name: str) -> bool:

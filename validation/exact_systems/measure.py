@@ -9,9 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods import available
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
@@ -19,6 +16,7 @@ from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.methods.result import NO_ANSWER
 from uqfold.problems.criterion import Binomial, Criteria, Criterion, criteria
 from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.validation import Finding, Measurement, Table, Work
 
 SYSTEMS = {
     "one unit": LinearNormalSystem(units=1),
@@ -140,8 +138,8 @@ def measure(work: Work) -> Measurement:
         for name, rows in by_method.items()
         for label in SYSTEMS
     ]
-    table = Table.of("answers", f"Answers of all methods, {budget:,} runs at most", summary)
-    return Measurement.of(findings, [table])
+    table = Table.of(f"Answers of all methods, {budget:,} runs at most", summary)
+    return Measurement(findings, [table])
 
 
 def _summary(name: str, system: str, rows: list[dict[str, Any]]) -> dict[str, Any]:

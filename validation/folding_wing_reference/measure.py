@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 
 import uqfold
-from uqfold.comparison.findings import Finding
 from uqfold.evaluation import Evaluator
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods import MonteCarlo
 from uqfold.problems import Problem
 from uqfold.problems.criterion import Criterion
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism.stored_times import read_rows
 
 STORED = Path(__file__).with_name("crude.csv")
@@ -110,4 +108,4 @@ def measure(work: Work) -> Measurement:
             "root mean square difference", float(np.sqrt(np.mean(z**2))), None, "standard errors"
         ),
     ]
-    return Measurement.of(findings, [Table.of("rows", "Failure probabilities", rows)])
+    return Measurement(findings, [Table.of("Failure probabilities", rows)])

@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.active_kriging import ActiveKriging
 from uqfold.problems import four_branch
+from uqfold.validation import Finding, Measurement, Table, Work
 
 MAX_EVALS = 100
 LARGEST_BIAS = 0.02
@@ -72,4 +70,4 @@ def measure(work: Work) -> Measurement:
             LARGEST_Z,
         ),
     ]
-    return Measurement.of(findings, [Table.of("runs", "All runs", rows)])
+    return Measurement(findings, [Table.of("All runs", rows)])

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import WingParameters, deployment_times
 from uqfold.mechanism.ideal import ideal_deployment_times
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism import ideal_joints
 from validation.mechanism.parameter_sets import TABLE_6, parameter_sets
 
@@ -83,7 +81,7 @@ def measure(work: Work) -> Measurement:
     partner = follow(draws, work.seeds[0], mixed_up=work.fault == "mixed up")
     rows = compare(names[:: work.pick(6, 1, 1)], time)
     tables = [
-        Table.of("times", "Deployment times with ideal joints", rows),
-        Table.of("partner", f"The full model against it, {draws} draws of Table 6", [partner]),
+        Table.of("Deployment times with ideal joints", rows),
+        Table.of(f"The full model against it, {draws} draws of Table 6", [partner]),
     ]
-    return Measurement.of(judge(rows, partner), tables)
+    return Measurement(judge(rows, partner), tables)

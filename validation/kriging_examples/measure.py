@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.kriging import Kriging
 from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.reference import Reference
 from uqfold.typing import FloatArray
+from uqfold.validation import Finding, Measurement, Table, Work
 
 PROBLEMS: dict[str, Callable[[], Problem]] = {
     "Example 1": series,
@@ -85,8 +83,8 @@ def measure(work: Work) -> Measurement:
         z = math.sqrt(float(np.mean([row["z"] ** 2 for row in rows])))
         findings += [_finding(group) for group in groups if group["judged"]]
         findings.append(Finding(f"{name}: errors in stated errors", z, LARGEST_Z))
-    return Measurement.of(
-        findings, [Table.of("bands", "Worst criterion of every band, root mean square", table)]
+    return Measurement(
+        findings, [Table.of("Worst criterion of every band, root mean square", table)]
     )
 
 

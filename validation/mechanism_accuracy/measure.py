@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism.parameter_sets import TABLE_6
 
 TIGHT = 1e-12
@@ -96,4 +94,4 @@ def measure(work: Work) -> Measurement:
     draws = work.pick(400, 1_600, 20_000)
     rows = errors(draws, work.seeds[0], TIMES[work.fault])
     title = f"Errors of deployment times over {draws} draws of Table 6"
-    return Measurement.of(judge(rows), [Table.of("errors", title, rows)])
+    return Measurement(judge(rows), [Table.of(title, rows)])

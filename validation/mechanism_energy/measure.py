@@ -17,10 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import Trajectory, WingParameters, trajectory
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism.parameter_sets import parameter_sets
 
 TOLERANCE = 1e-10
@@ -120,4 +118,4 @@ def measure(work: Work) -> Measurement:
         {"set": name} | audit(wing, lambda wing: fault(motion(wing)))
         for name, wing in both_velocities(wings).items()
     ]
-    return Measurement.of(judge(rows), [Table.of("energies", "Energies up to the lock", rows)])
+    return Measurement(judge(rows), [Table.of("Energies up to the lock", rows)])

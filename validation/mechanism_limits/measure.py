@@ -24,11 +24,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import Trajectory, WingParameters, deployment_times, trajectory
 from uqfold.mechanism.contact import contact_forces
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism import ideal_joints
 from validation.mechanism.parameter_sets import parameter_sets
 
@@ -247,5 +245,5 @@ def measure(work: Work) -> Measurement:
         *momentum(_unbalanced if fault == "momentum" else motion),
         *impacts(_late_return if fault == "late onset" else returned),
     ]
-    table = Table.of("deviations", "Deviation from each limit (s, or as a share)", rows)
-    return Measurement.of(judge(rows), [table])
+    table = Table.of("Deviation from each limit (s, or as a share)", rows)
+    return Measurement(judge(rows), [table])

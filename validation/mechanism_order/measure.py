@@ -22,14 +22,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Axis, Figure, Measurement, Series, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import Trajectory, WingParameters, trajectory
 from uqfold.mechanism.loads import drive_force
 from uqfold.mechanism.motion import accelerations, directions, gaps
 from uqfold.mechanism.timestep import LARGEST_GROWTH, State, attempt
 from uqfold.mechanism.wing import Wings, wing_constants
+from uqfold.validation import Finding, Measurement, Points, Table, Work
 from validation.mechanism.independent import Wing
 from validation.mechanism.parameter_sets import TABLE_6, means
 
@@ -172,17 +170,8 @@ def measure(work: Work) -> Measurement:
     step = _second_order if work.fault == "second order" else one_step
     move = _missed_onset if work.fault == "onset missed" else motion
     rows = [*smooth_errors(step), *impact_errors(wings, work.seeds[0], move)]
-    table = Table.of("errors", f"Errors by number of steps; across impacts of {wings} wings", rows)
-    series = tuple(
-        Series(stretch, *zip(*((row["steps"], row["error (m)"]) for row in found), strict=True))
-        for stretch in ("smooth", "across impacts")
-        if (found := [row for row in rows if row["stretch"] == stretch])
-    )
-    figure = Figure(
-        "convergence",
-        "Error at the end of a stretch against the number of time steps",
-        Axis("time steps", scale="log"),
-        Axis("error", "m", "log"),
-        series,
-    )
-    return Measurement.of(judge(rows), [table], [figure])
+    table = Table.of(f"Errors by number of steps; across impacts of {wings} wings", rows)
+    title = "Error at the end of a stretch against the number of time steps"
+    data = [{"series": row["stretch"], "x": row["steps"], "y": row["error (m)"]} for row in rows]
+    points = Points(title, "time steps", "error (m)", Table.of(title, data), log="xy")
+    return Measurement(judge(rows), [table], [points])

@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 import openturns as ot
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.openturns_form import OpenTURNSFORM
 from uqfold.problems.base import Problem
 from uqfold.typing import FloatArray
+from uqfold.validation import Finding, Measurement, Table, Work
 
 AGREEMENT = 1e-3
 """Largest difference of reliability indices; either search may stop within it."""
@@ -123,4 +121,4 @@ def measure(work: Work) -> Measurement:
             }
         )
         findings.append(Finding(f"{state.name}: difference of beta", abs(ours - beta), AGREEMENT))
-    return Measurement.of(findings, [Table.of("indices", "FORM by both", rows)])
+    return Measurement(findings, [Table.of("FORM by both", rows)])

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 import openturns as ot
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
+from uqfold.validation import Finding, Measurement, Table, Work
 
 UNITS = 3
 STANDARD_ERRORS = 4.0
@@ -122,4 +120,4 @@ def measure(work: Work) -> Measurement:
                     0.1)
         )  # fmt: skip
     title = f"Simulation of {samples} systems by both"
-    return Measurement.of(findings, [Table.of("estimates", title, rows)])
+    return Measurement(findings, [Table.of(title, rows)])

@@ -1,154 +1,226 @@
-"""The paper's claims, judged by the results of the studies, and contradictions to plant in these.
+"""The claims of the paper, in our words, and what judges them: tables of the studies.
 
-The results are those that lie beside the studies (``uqfold study run`` makes them again); nothing
-is run here. What a claim needs of them, and how they judge it, stands in
-``uqfold.comparison.claims``.
+Each claim is a function of all results (study -> table -> rows) that yields findings. A claim whose
+results are missing cannot be judged.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 import numpy as np
+import pandas as pd
 
-from uqfold.comparison.claims import CLAIMS, judged
-from uqfold.comparison.claims.deviations import SMALLER
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
+from uqfold.typing import FloatArray
+from uqfold.validation import Claim, Finding
 
-if TYPE_CHECKING:
-    import pandas as pd
+Results: TypeAlias = Mapping[str, Mapping[str, pd.DataFrame]]
+"""Study -> table -> rows."""
+Judge: TypeAlias = Callable[[Results], Iterable[Finding]]
 
-STUDIES = Path(__file__).resolve().parents[2] / "studies"
-
-
-TEXTS = ("problem", "label", "missions", "status", "message")
-"""Columns that are texts, whatever they look like."""
-
-
-@cache
-def read_results(root: Path = STUDIES) -> dict[str, dict[str, pd.DataFrame]]:
-    """Read study -> table -> rows from the CSV files of all studies."""
-    import pandas as pd
-
-    results: dict[str, dict[str, pd.DataFrame]] = {}
-    for path in sorted(root.glob("*/results/*.csv")):
-        rows = pd.read_csv(path, dtype=dict.fromkeys(TEXTS, str))
-        results.setdefault(path.parent.parent.name, {})[path.stem] = rows
-    return results
-
-
-def measure_claims(work: Work, keys: Sequence[str]) -> Measurement:
-    """Judge some claims; the tiers do not differ.
-
-    Parameters
-    ----------
-    work
-        The order; knows the contradictions and remedies of `FAULTS`.
-    keys
-        Keys of the claims.
-    """
-    results: Any = read_results()
-    if work.fault is not None:
-        change = FAULTS[work.fault]
-        results = {
-            study: {name: change(table) for name, table in tables.items()}
-            for study, tables in results.items()
-        }
-    found = [judged(CLAIMS[key], results) for key in keys]
-    findings = [
-        replace(finding, what=f"{one.claim.key}: {finding.what}")
-        for one in found
-        for finding in one.findings
-    ]
-    rows = [
-        {
-            "claim": one.claim.statement,
-            "where": one.claim.source,
-            "rule": one.claim.rule,
-            "verdict": one.verdict_words,
-        }
-        for one in found
-    ]
-    return Measurement.of(findings, [Table.of("claims", "The paper's claims one by one", rows)])
-
-
-def _upside_down(table: pd.DataFrame) -> pd.DataFrame:
-    """Take reliability for the failure probability."""
-    changed = table.copy()
-    for name in ("pf", "reference_pf"):
-        if name in changed:
-            changed[name] = 1.0 - changed[name]
-    return _consistent(changed)
-
-
-def _consistent(table: pd.DataFrame) -> pd.DataFrame:
-    """Let the reliability follow a changed failure probability."""
-    return table.assign(reliability=1.0 - table["pf"]) if "reliability" in table else table
-
-
-def _reversed(column: str) -> Callable[[Any], Any]:
-    """Give a change that hands the values of a column out in reverse order."""
-
-    def change(table: pd.DataFrame) -> pd.DataFrame:
-        if column not in table:
-            return table
-        values = table[column].dropna().unique()
-        values = np.sort(values) if table[column].dtype.kind == "f" else values
-        swapped = dict(zip(values, values[::-1], strict=True))
-        return table.assign(**{column: table[column].map(swapped).fillna(table[column])})
-
-    return change
-
-
-def _off(table: pd.DataFrame) -> pd.DataFrame:
-    """Let the methods' failure probabilities lie 0.03 further from the references."""
-    if "reference_pf" not in table:
-        return table
-    known = table["reference_pf"].notna() & (table["pf"] < 0.9)
-    pf = table["pf"].where(~known, np.maximum(table["pf"], table["reference_pf"]) + 0.03)
-    return _consistent(table.assign(pf=pf, error=(pf / table["reference_pf"] - 1.0).abs()))
-
-
-def _with_troughs(table: pd.DataFrame) -> pd.DataFrame:
-    """Let the larger deviation start 0.002 higher at every number of missions and tau."""
-    changed = table.copy()
-    if not {"problem", "pf", "missions", "tau", "threshold"} <= set(changed):
-        return changed
-    curves = changed["missions"] + ", " + changed["tau"].fillna(-1.0).astype(str)
-    for smaller, larger in SMALLER.values():
-        own, other = changed["problem"] == smaller, changed["problem"] == larger
-        # tables that compare both conditions in one row have no curve of their own to change
-        both = set(curves[own].dropna()) & set(curves[other].dropna())
-        for curve in sorted(both):
-            here = curves == curve
-            first = here & (changed["threshold"] == changed.loc[own & here, "threshold"].min())
-            changed.loc[other & first, "pf"] = changed.loc[own & first, "pf"].iloc[0] - 0.002
-    return _consistent(changed)
-
-
-def _later(seconds: float) -> Callable[[Any], Any]:
-    """Give a change that lets everything happen later."""
-
-    def change(table: pd.DataFrame) -> pd.DataFrame:
-        if "threshold" not in table:
-            return table
-        return table.assign(threshold=table["threshold"] + seconds)
-
-    return change
-
-
-FAULTS: dict[str, Callable[[Any], Any]] = {
-    "upside down": _upside_down,
-    "conditions swapped": _reversed("problem"),
-    "tau swapped": _reversed("tau"),
-    "off": _off,
-    "troughs": _with_troughs,
-    "later": _later(0.085),
-    "much later": _later(0.2),
+IDENTITY = "an identity: every model keeps it, so it is no evidence"
+"""Remark of a finding that follows from the algebra alone; a breach shows an error of ours."""
+ROUNDING = 1e-9
+"""Differences of reliabilities below it are none."""
+STANDARD_ERRORS = 3.0
+"""How far a simulation has to lie from an order to contradict it."""
+NO_TAU = -1.0
+NO_SYNC = {
+    "example-1": ("no-sync",),
+    "example-2": ("no-sync-open", "no-sync-crossed"),
+    "example-3": ("no-sync",),
+    "example-6": ("no-sync",),
 }
-"""Name -> change of one table: contradictions, and remedies where a claim does not hold."""
+"""Study -> tables of the paper's method without synchronization."""
+SYNC = {
+    study: tuple(table.removeprefix("no-") for table in tables) for study, tables in NO_SYNC.items()
+}
+"""The same with synchronization."""
+BOTH = {study: NO_SYNC[study] + SYNC[study] for study in SYNC}
+_AXES = ("problem", "label", "threshold", "tau", "missions")
+
+
+@dataclass(frozen=True)
+class PaperClaim:
+    """A claim, and the function that judges it by the results."""
+
+    said: Claim
+    judge: Judge
+
+    def findings(self, results: Results) -> list[Finding]:
+        """Return what the results say; without them, a finding that cannot be judged."""
+        try:
+            found = list(self.judge(results))
+        except MissingResultsError as error:
+            found = [Finding(f"no results of {error}")]
+        return [replace(one, claim=self.said.key) for one in found]
+
+    def claim(self, findings: Iterable[Finding]) -> Claim:
+        """Return the claim, marked where it holds by identities alone."""
+        judged = [one for one in findings if one.verdict is not None]
+        identity = all(one.verdict == "holds" and _is_identity(one) for one in judged)
+        return replace(self.said, identity=bool(judged) and identity)
+
+
+class MissingResultsError(LookupError):
+    """A study has no results, or lacks a table."""
+
+
+def claim(key: str, statement: str, source: str, rule: str) -> Callable[[Judge], PaperClaim]:
+    """Make a claim of the function that judges it."""
+    return lambda judge: PaperClaim(Claim(key, statement, source, rule), judge)
+
+
+def _is_identity(finding: Finding) -> bool:
+    return finding.remark.startswith(IDENTITY)
+
+
+def table_of(results: Results, study: str, table: str) -> pd.DataFrame:
+    """Return a table of a study.
+
+    Raises
+    ------
+    MissingResultsError
+        If there is none.
+    """
+    try:
+        return results[study][table]
+    except KeyError:
+        raise MissingResultsError(f"{study}/{table}") from None
+
+
+def tables_of(
+    results: Results, wanted: Mapping[str, Iterable[str]]
+) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield ``study/table`` and its rows, for all tables that are wanted."""
+    for study, tables in wanted.items():
+        for table in tables:
+            yield f"{study}/{table}", table_of(results, study, table)
+
+
+def fixed_missions(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows with a fixed number of missions, as whole numbers."""
+    own = frame[frame["missions"].str.isdecimal()]
+    return own.assign(missions=own["missions"].astype(int))
+
+
+def wide(frame: pd.DataFrame, column: str, values: str = "pf") -> pd.DataFrame:
+    """Return one row per criterion and problem, one column per value of `column`, ascending."""
+    rows = frame.assign(tau=frame["tau"].fillna(NO_TAU))
+    index = [name for name in _AXES if name != column]
+    return rows.pivot(index=index, columns=column, values=values).sort_index(axis=1)
+
+
+def largest_rise(what: str, frame: pd.DataFrame, column: str) -> Finding:
+    """Return the largest rise of R along a column, where no model can rise."""
+    return Finding(f"largest rise of R {what}", _largest(frame, column), ROUNDING, remark=IDENTITY)
+
+
+def largest_fall(what: str, frame: pd.DataFrame, column: str) -> Finding:
+    """Return the largest fall of R along a column, where no model can fall."""
+    fall = _largest(frame, column, -1.0)
+    return Finding(f"largest fall of R {what}", fall, ROUNDING, remark=IDENTITY)
+
+
+def _largest(frame: pd.DataFrame, column: str, sign: float = 1.0) -> float:
+    """Largest change of R from each value of `column` to the next one."""
+    return float(np.nanmax(-sign * wide(frame, column).diff(axis=1).iloc[:, 1:].to_numpy()))
+
+
+def at_largest_threshold(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the largest T: the plateau."""
+    return frame[frame["threshold"] == frame["threshold"].max()]
+
+
+def spread(frame: pd.DataFrame, column: str, by: str) -> pd.Series[float]:
+    """Return the largest range of R over a column, by another one in ascending order."""
+    table = wide(frame, column)
+    return (table.max(axis=1) - table.min(axis=1)).groupby(by).max().sort_index()
+
+
+def advantage(frame: pd.DataFrame, first: str, second: str) -> pd.DataFrame:
+    """Set the reliability of one problem against that of another, criterion by criterion.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``threshold``, ``tau``, ``missions``, ``gain`` (R of the first less R of the
+        second), ``relative`` (the same over the larger R, or over the larger pf where that is
+        smaller) and ``error`` (joint standard error; NaN where none is stated), ordered by T.
+
+    Raises
+    ------
+    ValueError
+        If the table lacks a problem.
+    """
+    keys = ["threshold", "tau", "missions"]
+    one, other = (of_problem(frame, name).fillna({"tau": NO_TAU}) for name in (first, second))
+    both = one.merge(other, on=keys, suffixes=("", "_other"), validate="one_to_one")
+    # from the side on which nothing cancels
+    gain = np.where(
+        both["pf"] > 0.5,
+        both["reliability"] - both["reliability_other"],
+        both["pf_other"] - both["pf"],
+    )
+    # gains of tiny reliabilities, and gains over tiny failure probabilities, count as well
+    scale = np.minimum(
+        both[["reliability", "reliability_other"]].max(axis=1),
+        both[["pf", "pf_other"]].max(axis=1),
+    )
+    error = np.hypot(_error(both, ""), _error(both, "_other"))
+    return (
+        both[keys]
+        .assign(gain=gain, relative=gain / scale, error=error)
+        .sort_values(keys, ignore_index=True)
+    )
+
+
+def _error(frame: pd.DataFrame, suffix: str) -> FloatArray:
+    """Return standard errors; of an estimate of 0 or 1 half the length of its interval."""
+    half = 0.5 * (frame[f"ci_high{suffix}"] - frame[f"ci_low{suffix}"])
+    return np.asarray(frame[f"std_error{suffix}"].fillna(half), dtype=np.float64)
+
+
+def of_problem(frame: pd.DataFrame, problem: str) -> pd.DataFrame:
+    """Return the rows of one problem.
+
+    Raises
+    ------
+    ValueError
+        If there are none.
+    """
+    rows = frame[frame["problem"] == problem]
+    if rows.empty:
+        raise ValueError(f"the table has no problem {problem!r}")
+    return rows
+
+
+def contradictions(what: str, gains: pd.DataFrame) -> Finding:
+    """Count simulated gains that are negative by more than `STANDARD_ERRORS` of their errors."""
+    known = gains[gains["error"] > 0.0]
+    scores = known["gain"] / known["error"]
+    clear = int((scores > STANDARD_ERRORS).sum())
+    return Finding(
+        f"simulated points against it, {what}",
+        float((scores < -STANDARD_ERRORS).sum()),
+        0.0,
+        remark=f"{clear} of {len(known)} clearly for it (over {STANDARD_ERRORS:g} standard errors)",
+    )
+
+
+def widening(what: str, gaps: pd.Series[float]) -> Finding:
+    """Return the largest widening of a gap as tau grows."""
+    ends = ", ".join(f"{gaps.iloc[i]:.3g} at tau = {gaps.index[i]:g} s" for i in (0, -1))
+    return Finding(
+        f"largest widening of {what} as tau grows",
+        float(gaps.diff().max()),
+        0.0,
+        remark=f"spread {ends}",
+    )
+
+
+def positive(what: str, value: Any, **more: Any) -> Finding:
+    """Return a number that has to be positive."""
+    return Finding(what, float(value), 0.0, at_least=True, **more)

@@ -6,9 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
@@ -17,6 +14,7 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.testing.counting import RowCount
 from uqfold.typing import FloatArray
+from uqfold.validation import Finding, Measurement, Table, Work
 
 STATED: dict[str, tuple[Callable[[], Problem], int]] = {
     "Example 1": (series, 75),
@@ -86,4 +84,4 @@ def measure(work: Work) -> Measurement:
                     0,
                 )
             )
-    return Measurement.of(findings, [Table.of("sizes", "Model runs", rows)])
+    return Measurement(findings, [Table.of("Model runs", rows)])

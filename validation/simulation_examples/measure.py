@@ -9,15 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods import available
 from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.result import NO_ANSWER
 from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, criteria
+from uqfold.validation import Finding, Measurement, Table, Work
 
 STANDARD_ERRORS = 4.5
 """Largest difference in joint standard errors."""
@@ -105,5 +103,5 @@ def measure(work: Work) -> Measurement:
             ),
         ]
     rows = [row for part in found.values() for row in part]
-    table = Table.of("estimates", "Estimates and references", rows)
-    return Measurement.of(findings, [table])
+    table = Table.of("Estimates and references", rows)
+    return Measurement(findings, [table])

@@ -27,10 +27,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism.contact import contact_forces, hertz_stiffness, hysteresis_factor
+from uqfold.validation import Finding, Measurement, Table, Work
 
 # Crank and rod (m), rod (kg, kg m^2), slider (kg), crank speed (rad/s)
 CRANK, ROD = 0.05, 0.12
@@ -226,5 +224,5 @@ def measure(work: Work) -> Measurement:
     """Run all clearances; the tiers do not differ."""
     # contacts that feed energy in keep even the smallest clearances rattling
     rows = motions(-0.3 if work.fault == "damping's sign" else None)
-    table = Table.of("motions", "Motion of the slider by clearance", rows)
-    return Measurement.of(judge(rows), [table])
+    table = Table.of("Motion of the slider by clearance", rows)
+    return Measurement(judge(rows), [table])

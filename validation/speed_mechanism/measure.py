@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.mechanism import deployment_times
 from uqfold.mechanism.wing import Wings
+from uqfold.validation import Finding, Measurement, Table, Work
 from validation.benchmarks.mechanism_speed import (
     DRAWS,
     LARGEST_MEDIAN,
@@ -47,7 +45,6 @@ def measure(work: Work) -> Measurement:
         lanes = scalar
     one, two = two_cores(draws, work.pick(2_000, 4_000, 40_000))
     table = Table.of(
-        "speeds",
         "Deployments per second of processor time on one core, and errors",
         [_row(result, lanes) for result in (*raced, scalar, lanes)],
     )
@@ -69,7 +66,7 @@ def measure(work: Work) -> Measurement:
         ratio = lanes.per_second / max(compiled)
         what = "lanes over the best general solver with compiled parts"
         findings.append(Finding(what, ratio, OVER_COMPILED, at_least=True))
-    return Measurement.of(findings, [table])
+    return Measurement(findings, [table])
 
 
 def _row(result: Result, lanes: Result) -> dict[str, object]:

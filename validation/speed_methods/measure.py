@@ -11,9 +11,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from uqfold.comparison.findings import Finding
-from uqfold.evidence import Measurement, Table
-from uqfold.evidence.work import Work
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
@@ -22,6 +19,7 @@ from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.reference import Reference
+from uqfold.validation import Finding, Measurement, Table, Work
 
 EXAMPLES: dict[str, Callable[[], Problem]] = {
     "Example 1": series,
@@ -108,4 +106,4 @@ def measure(work: Work) -> Measurement:
         Finding("seconds per run of Monte Carlo over those of the paper's method, wing", per_run,
                 remark="with a model that costs something, runs are what counts")
     )  # fmt: skip
-    return Measurement.of(findings, [Table.of("runs", "Model runs for the same error", rows)])
+    return Measurement(findings, [Table.of("Model runs for the same error", rows)])

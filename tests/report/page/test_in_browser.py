@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 
 from tests.comparison.fakes import METHODS, Told, toy_records
-from tests.evidence.records import full_record
 from tests.report.page.test_html import page as page_of_everything
+from tests.validation.records import full_record
 from uqfold.comparison import Records
-from uqfold.evidence import Finding, Measurement
 from uqfold.problems.criterion import criteria
 from uqfold.report import write_report
 from uqfold.report.page import write_page
+from uqfold.validation import Finding, Measurement
 
 pytestmark = pytest.mark.browser
 
@@ -35,7 +35,7 @@ def files(records: Records, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     cases = [full_record(), full_record(name="other", title="Another case")]
     many = {f"told-{i}": Told(n=50 * 3**i, bias=0.3 * (-0.5) ** i) for i in range(7)}
     eight = toy_records(criteria([11.0, 12.0, 13.0]), {**many, "broken": METHODS["broken"]})
-    broken = Measurement.of([Finding("largest difference", 3e-5, 2e-6, "s", remark="far off")] * 3)
+    broken = Measurement([Finding("largest difference", 3e-5, 2e-6, "s", remark="far off")] * 3)
     failing = [
         full_record(
             name=f"case_{i}", title=f"A case of some length, number {i}", measurement=broken

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
 from uqfold.report.page.blocks import Page
+from uqfold.report.page.builder import Page as BuiltPage
 from uqfold.writing import write_text
 
 Format: TypeAlias = Literal["html", "md"]
@@ -28,7 +29,9 @@ def page_format(path: str | os.PathLike[str], given: str | None = None) -> Forma
     raise ValueError(f"format {asked!r}: choose from {', '.join(get_args(Format))}")
 
 
-def write_page(page: Page, path: str | os.PathLike[str], format: str | None = None) -> list[Path]:
+def write_page(
+    page: Page | BuiltPage, path: str | os.PathLike[str], format: str | None = None
+) -> list[Path]:
     """Write a page as HTML or Markdown; each file appears whole or not at all.
 
     Parameters
@@ -45,6 +48,8 @@ def write_page(page: Page, path: str | os.PathLike[str], format: str | None = No
     list[pathlib.Path]
         The file, and behind it the pictures that Markdown needs beside it.
     """
+    if isinstance(page, BuiltPage):
+        return page.write(path, format=format)
     file = Path(path)
     if page_format(file, format) == "html":
         from uqfold.report.page.html import page_html

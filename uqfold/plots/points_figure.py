@@ -1,0 +1,87 @@
+"""Sets of points with error bars, a reference with its band, and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+from uqfold.plots.style import BAND_COLOR, REFERENCE_LINE, figure_settings, method_styles
+from uqfold.plots.telling import gid, tell
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+REFERENCE = "reference"
+_LIMIT_COLOR = "#555555"
+_SIZE = (6.4, 3.6)
+
+
+def points(
+    frame: pd.DataFrame,
+    x: str,
+    y: str,
+    *,
+    log: Literal["", "x", "y", "xy"] = "",
+    limits: Mapping[str, float] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw sets of points.
+
+    Parameters
+    ----------
+    frame
+        Columns ``series``, ``x``, ``y`` and, where there are error bars, ``low`` and ``high``. A
+        series called ``reference`` is drawn as a line with a band; one with the name of a method
+        in that method's colour.
+    x, y
+        Labels of the axes, with units.
+    log
+        Which axes are logarithmic.
+    limits
+        Label -> y of a horizontal line; a label beginning with a minus sign is not written.
+    ax
+        Where to draw; None: a figure of its own.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
+    from matplotlib.figure import Figure
+
+    with figure_settings():
+        axes = Figure(figsize=_SIZE, layout="constrained").add_subplot() if ax is None else ax
+        labels = list(dict.fromkeys(frame["series"]))
+        styles = method_styles(label for label in labels if label != REFERENCE)
+        for label in labels:
+            own = frame[frame["series"] == label].sort_values("x")
+            bars = "low" in own and bool(own["low"].notna().any())
+            belongs = gid(series=label)
+            if label == REFERENCE:
+                if bars:
+                    band = axes.fill_between(own["x"], own["low"], own["high"], color=BAND_COLOR)
+                    tell(band, belongs)
+                tell(axes.plot(own["x"], own["y"], label=label, **REFERENCE_LINE), belongs)
+                continue
+            style = styles[label]
+            if bars:
+                ends = axes.vlines(own["x"], own["low"], own["high"], color=style.color)
+                tell(ends, belongs)
+            drawn = axes.plot(
+                own["x"], own["y"], style.marker, color=style.color, label=label, alpha=0.8
+            )
+            tell(drawn, belongs)
+        for label, at in (limits or {}).items():
+            axes.axhline(at, color=_LIMIT_COLOR, linewidth=0.8, linestyle=":")
+            if not label.startswith("-"):
+                axes.annotate(
+                    label, (1.0, at), xycoords=("axes fraction", "data"), ha="right", va="bottom",
+                    color=_LIMIT_COLOR,
+                )  # fmt: skip
+        for side in log:
+            axes.set(**{f"{side}scale": "log"})
+        axes.set(xlabel=x, ylabel=y)
+        if len(labels) > 1:
+            axes.legend()
+        return axes

@@ -1,0 +1,260 @@
+"""The record of a case: what was claimed, how it was measured, and what came out.
+
+One JSON file per case, schema ``uqfold-validation/2`` (`record_schema`). Reading checks the whole
+file and takes everything in it as data: nothing that a record names is imported or run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, NoReturn, cast
+
+from pydantic import Field, TypeAdapter, computed_field
+
+from uqfold.checks import instance
+from uqfold.checks import path as checked_path
+from uqfold.validation.case import STRICT, Declaration, Fault, Tier, said
+from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict, verdict_of
+from uqfold.validation.measurement import Measurement, claim_verdicts
+from uqfold.writing import write_text
+
+SCHEMA: Literal["uqfold-validation/2"] = "uqfold-validation/2"
+Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class RecordError(ValueError):
+    """A file is no record of a validation case, or a damaged one."""
+
+
+@dataclass(frozen=True)
+class PlantedFault:
+    """A fault planted on purpose, and the verdict that it gave; None: not planted in this run."""
+
+    __pydantic_config__ = STRICT
+
+    fault: Fault
+    verdict: Verdict | None = None
+
+    @property
+    def caught(self) -> bool | None:
+        """Whether it turned the verdict as it has to; None where it was not planted."""
+        return None if self.verdict is None else self.verdict == self.fault.turns_to
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """What the full tier found earlier, as a shorter one quotes it.
+
+    Attributes
+    ----------
+    date
+        When it was measured, UTC, ISO 8601.
+    changed
+        Parts of the code it depends on that have changed since.
+    findings
+        What it found.
+    seconds
+        How long it took (s).
+    machine
+        Where.
+    """
+
+    __pydantic_config__ = AS_WRITTEN
+
+    date: str
+    changed: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    seconds: Seconds
+    machine: str
+
+    @property
+    def current(self) -> bool:
+        """Whether the code that the case depends on is still the same."""
+        return not self.changed
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict that these findings give."""
+        return verdict_of(self.findings)
+
+
+@dataclass(frozen=True)
+class CaseRecord:
+    """One case as it is kept.
+
+    Attributes
+    ----------
+    case
+        What it states.
+    tier
+        In which tier it was measured.
+    measurement
+        Findings, and the claims, tables and points that go with them.
+    made
+        What made it, see `uqfold.provenance.made_by`.
+    seconds
+        How long it took (s).
+    faults
+        Planted faults.
+    stored
+        What the full tier found earlier; None if nothing is stored, or this is the full tier.
+    error
+        Why there is no measurement: the error that ended it; empty otherwise.
+    """
+
+    __pydantic_config__ = AS_WRITTEN
+
+    case: Declaration
+    tier: Tier
+    measurement: Measurement
+    made: Mapping[str, Any]
+    seconds: Seconds
+    faults: tuple[PlantedFault, ...] = ()
+    stored: StoredResult | None = None
+    error: str = ""
+    schema: Literal["uqfold-validation/2"] = SCHEMA
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return self.case.name
+
+    @property
+    def date(self) -> str:
+        """When it was measured, UTC, ISO 8601."""
+        return str(self.made["date"])
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """The findings measured in this tier."""
+        return self.measurement.findings
+
+    @property
+    def judged(self) -> tuple[Finding, ...]:
+        """The findings that the verdict rests on.
+
+        Those of the full tier count beside those measured now while the code is the same, and
+        replace those that a shorter tier measures too coarsely to judge.
+        """
+        stored = self.stored.findings if self.stored is not None and self.stored.current else ()
+        settled = {one.name for one in stored if one.verdict in ("holds", "does not hold")}
+        own = (
+            one
+            for one in self.findings
+            if one.verdict != "cannot be judged" or one.name not in settled
+        )
+        return (*own, *stored)
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict on the claim; a measurement that ended in an error judges nothing."""
+        return "cannot be judged" if self.error else verdict_of(self.judged)
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def claims(self) -> dict[str, Verdict]:
+        """Key -> verdict of its claims, if it judges several."""
+        return claim_verdicts(self.measurement.claims, self.judged)
+
+    @property
+    def missed_faults(self) -> tuple[PlantedFault, ...]:
+        """Planted faults that did not turn the verdict."""
+        return tuple(one for one in self.faults if one.caught is False)
+
+
+_RECORD = TypeAdapter(CaseRecord)
+
+
+def record_schema() -> dict[str, Any]:
+    """Return the JSON Schema of records, made from the classes that hold them."""
+    return _RECORD.json_schema(mode="serialization")
+
+
+def write_case_record(record: CaseRecord, path: str | os.PathLike[str]) -> Path:
+    """Write a record; the file appears whole or not at all, its folder is made if it is missing."""
+    instance("record", record, CaseRecord, "give a CaseRecord")
+    file = checked_path("path", path)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(to_document(record), ensure_ascii=False, allow_nan=False, indent=1)
+    # lists of plain values on one line each, so that a file stays readable and short
+    write_text(file, re.sub(r"\[[^\[\]{}]*\]", _on_one_line, text) + "\n")
+    return file
+
+
+def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
+    """Read the record of one case.
+
+    Raises
+    ------
+    RecordError
+        If the file does not follow the schema, or its verdicts are not those of its findings.
+    OSError
+        If it cannot be opened.
+    """
+    file = checked_path("path", path)
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"), parse_constant=_refuse)
+        if not isinstance(document, dict):
+            raise TypeError("it holds no JSON object")
+        if document.get("schema") != SCHEMA:
+            raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
+        record = _RECORD.validate_python(document)
+        # unknown fields, and verdicts that do not follow from the numbers
+        for where in _differences(document, to_document(record), ""):
+            raise ValueError(f"{where} is not what the rest of it gives")
+    except (ValueError, TypeError, RecursionError) as error:
+        text = said(error) if isinstance(error, ValueError) else str(error)
+        raise RecordError(
+            f"{file.name} is no readable record of a validation case: {text}. Records are written "
+            "by `uqfold validate`; see docs/validation.md"
+        ) from error
+    return record
+
+
+def read_case_records(folder: str | os.PathLike[str]) -> list[CaseRecord]:
+    """Read all records of a folder that `uqfold validate` wrote, in order of topic and name.
+
+    Raises
+    ------
+    RecordError
+        If there is none, or one of the JSON files is not readable as one.
+    """
+    directory = checked_path("folder", folder)
+    paths = sorted(path for path in directory.glob("*.json") if not path.name.startswith("."))
+    if not paths:
+        raise RecordError(f"{directory.name} holds no records: run `uqfold validate --out` first")
+    return sorted(map(read_case_record, paths), key=lambda one: (one.case.topic, one.name))
+
+
+def to_document(record: CaseRecord) -> dict[str, Any]:
+    """Return a record as JSON values."""
+    return cast("dict[str, Any]", json.loads(_RECORD.dump_json(record)))
+
+
+def _differences(one: Any, other: Any, where: str) -> Iterator[str]:
+    """Where two documents differ."""
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        for key in one:
+            yield from _differences(one[key], other[key], f"{where}.{key}".lstrip("."))
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for i, (mine, yours) in enumerate(zip(one, other, strict=True)):
+            yield from _differences(mine, yours, f"{where}[{i}]")
+    elif one != other:
+        unknown = one.keys() ^ other.keys() if isinstance(one, dict) else ()
+        yield f"{where or 'it'}{''.join(f', field {key!r},' for key in sorted(unknown))}"
+
+
+def _on_one_line(found: re.Match[str]) -> str:
+    # a text holds no line break of its own
+    return re.sub(r"\n\s*", " ", re.sub(r"(?<=\[)\n\s*|\n\s*(?=\]$)", "", found[0]))
+
+
+def _refuse(word: str) -> NoReturn:
+    raise ValueError(f"{word} is not JSON")
