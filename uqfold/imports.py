@@ -10,10 +10,8 @@ the package asks for `EVERY` of them.
 from __future__ import annotations
 
 import ast
-import io
 import re
 import sys
-import tokenize
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -24,6 +22,10 @@ from typing import Any
 EVERY = "available"
 """The name under which a table of places hands out all of its entries."""
 _PLACE = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+_TEXT_OR_COMMENT = re.compile(
+    r"""(?s:"{3}(?:\\.|[^\\])*?"{3}|'{3}(?:\\.|[^\\])*?'{3})"""
+    r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\#[^\n]*"""
+)
 _DATA = ".csv", ".json"
 _LEVELS = 4  # folders above a file outside the package in which its imports are looked for
 
@@ -182,7 +184,7 @@ def _parsed_once(path: Path, _mtime: int, _size: int) -> Parsed:
         return Parsed(content)
     source = content.decode("utf-8")
     tree = ast.parse(source)
-    nodes = list(ast.walk(tree))
+    nodes = list(_nodes(tree))
     left_out, places = list[ast.stmt](), dict[str, str]()
     for node in nodes:
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
@@ -223,14 +225,25 @@ def _table(node: ast.stmt) -> dict[str, str]:
 
 def _code(source: str, left_out: set[int]) -> bytes:
     """Return the lines that count, without comments and empty lines."""
-    lines = source.splitlines()
-    tokens = tokenize.generate_tokens(io.StringIO(source).readline) if "#" in source else ()
-    for token in tokens:
-        if token.type == tokenize.COMMENT:
-            row, column = token.start
-            lines[row - 1] = lines[row - 1][:column]
+    lines = _TEXT_OR_COMMENT.sub(_without_comment, source).split("\n")
     kept = (line.rstrip() for i, line in enumerate(lines, start=1) if i not in left_out)
     return "\n".join(filter(None, kept)).encode()
+
+
+def _without_comment(found: re.Match[str]) -> str:
+    return "" if found[0].startswith("#") else found[0]
+
+
+def _nodes(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield what `ast.walk` does except for contexts, in half of its time."""
+    waiting: list[Any] = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, list):
+            waiting += node
+        elif isinstance(node, ast.AST):
+            yield node
+            waiting += [getattr(node, name, None) for name in node._fields if name != "ctx"]
 
 
 def _names(nodes: Iterable[ast.AST]) -> Iterator[str]:

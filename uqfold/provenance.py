@@ -56,7 +56,7 @@ def source_digest(
 
     Examples
     --------
-    >>> list(source_digest("uqfold.moments.chebyshev"))
+    >>> list(source_digest("uqfold.moments.cumulants"))
     ['uqfold/moments']
     """
     search = ImportSearch(package.resolve(), (*MAKES_NO_NUMBERS, *without))
