@@ -31,6 +31,7 @@ from uqfold import (
     validation,
 )
 from uqfold.validation.record import write_case_record
+from uqfold.comparison.entries import records_from_frame
 
 WRONG: dict[str, Any] = {
     "true": True,
@@ -163,12 +164,12 @@ WITHOUT_ARGUMENT_CHECKS = {
     "analysis.Design", "analysis.InputParameter", "analysis.PfDerivative", "analysis.PfDerivatives",
     "analysis.PairedDifference", "analysis.PairedDifferences", "analysis.Scan",
     "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
-    "comparison.MethodRun", "comparison.RunHeader", "evaluation.EvaluationSession",
+    "evaluation.EvaluationSession",
     "evaluation.RunningEstimate", "inputs.JointInputs",
     "mechanism.BaumgarteTrajectory", "mechanism.Trajectory", "methods.CriterionResult",
     "methods.Task", "ReliabilityResult", "validation.CaseRecord", "validation.Work",
     # the package's own side of store, executors and sessions
-    "analysis.Scan.of", "comparison.RunHeader.of", "comparison.RunHeader.from_document",
+    "analysis.Scan.of",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
     "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
@@ -204,11 +205,11 @@ def calls(folder: Path) -> dict[str, Call]:
     )
     joint = problem.inputs
     plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
-    rows = tuple(row for run in comparison.run_comparison(plan) for row in run.rows)
-    records = comparison.Records(comparison.RunHeader.of(plan), rows)
-    comparison.write_records(records, folder)
+    *_, compared = comparison.run_comparison(plan)
+    records = records_from_frame(compared)
+    comparison.write_records(compared, folder)
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
-    frame = records.to_frame().assign(**known)
+    frame = compared.assign(**known)
     axes, page = plots.error_against_evaluations(frame), report.Page("some")
     cheap = methods.FFNIPearson()
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
@@ -421,8 +422,8 @@ def calls(folder: Path) -> dict[str, Call]:
             analysis.verify_all,
             {"places": thing([(design, 2.0)]).also("empty list"), "method": method, **run},
         ),
-        "comparison.Case": Call(
-            comparison.Case,
+        "comparison.NamedProblem": Call(
+            comparison.NamedProblem,
             {"name": text(), "description": text(), "factory": text("a:b"), "max_evals": count()},
         ),
         "comparison.ComparisonPlan": Call(
@@ -436,26 +437,28 @@ def calls(folder: Path) -> dict[str, Call]:
                 "evaluator": thing(uqfold.Evaluator()),
             },
         ),
-        "comparison.Records": Call(
-            comparison.Records,
-            {"header": thing(records.header), "rows": thing(records.rows).also("empty list")},
+        "comparison.available_problems": Call(comparison.available_problems, {}),
+        "comparison.benchmark_summary": Call(
+            comparison.benchmark_summary,
+            {"frame": thing(frame.assign(max_evals=1.0)), "units": thing({"": 2})},
         ),
-        "comparison.available_cases": Call(comparison.available_cases, {}),
-        "comparison.named_case": Call(comparison.named_case, {"name": choice("series")}),
+        "comparison.checked_frame": Call(comparison.checked_frame, {"frame": thing(frame)}),
+        "comparison.comparison_header": Call(comparison.comparison_header, {"frame": thing(frame)}),
+        "comparison.criteria_of": Call(
+            comparison.criteria_of, {"header": thing(comparison.comparison_header(frame))}
+        ),
+        "comparison.named_problem": Call(comparison.named_problem, {"name": choice("series")}),
         "comparison.plan_comparison": Call(
             comparison.plan_comparison,
             {"problem": at, "methods": some_methods, "criteria": of["criteria"], **run},
         ),
         "comparison.read_records": Call(comparison.read_records, {"path": file}),
-        "comparison.records_from_frame": Call(
-            comparison.records_from_frame, {"frame": thing(records.to_frame())}
-        ),
         "comparison.run_comparison": Call(
             lambda **given: list(comparison.run_comparison(**given)),
-            {"plan": thing(plan), "progress": optional(thing(nothing))},
+            {"plan": thing(plan), "progress": optional(thing(nothing)), "command": text()},
         ),
         "comparison.write_records": Call(
-            comparison.write_records, {"records": thing(records), "folder": file}
+            comparison.write_records, {"frame": thing(frame), "folder": file}
         ),
         "evaluation.Column": Call(
             evaluation.Column,

@@ -17,10 +17,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import uqfold
 from uqfold.imports import ImportSearch, parsed
 
 PACKAGE = Path(__file__).resolve().parent
-RECORDED_PACKAGES = "uqfold", "numpy", "scipy", "numba", "openturns"
+RECORDED_PACKAGES = "numpy", "scipy", "numba", "openturns"
 """Packages whose versions are always recorded."""
 # they check, write, import and explain; methods.theory with all that begins so
 MAKES_NO_NUMBERS = (
@@ -129,11 +130,11 @@ def machine() -> str:
 
 
 def versions(packages: Iterable[str] = ()) -> dict[str, str]:
-    """Return name -> version of Python, `RECORDED_PACKAGES` and further packages.
+    """Return name -> version of uqfold, Python, `RECORDED_PACKAGES` and further packages.
 
     None of them is imported.
     """
-    found = {"python": platform.python_version()}
+    found = {"uqfold": uqfold.__version__, "python": platform.python_version()}
     for name in (*RECORDED_PACKAGES, *packages):
         try:
             found[name] = version(name)

@@ -11,7 +11,7 @@ import pytest
 
 import uqfold
 from uqfold.cli import main
-from uqfold.comparison import available_cases, read_records
+from uqfold.comparison import available_problems, read_records
 from uqfold.comparison.records import CSV_NAME, JSON_NAME
 from uqfold.methods import available
 from uqfold.problems.criterion import Binomial, criteria
@@ -183,7 +183,7 @@ def test_help_names_every_case(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("compare", "--help") == 0
     out = capsys.readouterr().out
     # the longest name ran into its description
-    assert all(f"  {case}  " in out for case in available_cases())
+    assert all(f"  {case}  " in out for case in available_problems())
 
 
 def test_output_into_a_pipe_is_plain_and_wide() -> None:

@@ -4,13 +4,13 @@ import math
 import time
 from dataclasses import dataclass, field
 from functools import cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+import pandas as pd
 
-from uqfold.comparison.header import RunHeader
-from uqfold.comparison.records import Records
-from uqfold.comparison.run import plan_comparison, run_comparison
+from uqfold.comparison import plan_comparison, run_comparison
+from uqfold.comparison.entries import Records, records_from_frame
 from uqfold.methods import Estimate, ReliabilityMethod, Solution, Task
 from uqfold.methods.theory import Equation, Theory
 from uqfold.problems import Problem
@@ -191,15 +191,20 @@ METHODS = {
 }
 
 
-def toy_records(
+def toy_frame(
     grid: Criteria = GRID,
     methods: dict[str, ReliabilityMethod] | None = None,
     *,
     referenced: bool = True,
     command: str = "uqfold compare toy",
-) -> Records:
-    """Give the records of a finished comparison of the fakes."""
+) -> pd.DataFrame:
+    """Return a finished comparison of the fakes."""
     problem = toy_problem(grid, referenced=referenced)
     plan = plan_comparison(problem, METHODS if methods is None else methods, max_evals=5000)
-    rows = tuple(row for run in run_comparison(plan) for row in run.rows)
-    return Records(RunHeader.of(plan, command), rows)
+    *_, frame = run_comparison(plan, command=command)
+    return frame
+
+
+def toy_records(*given: Any, **named: Any) -> Records:
+    """Return the records of a finished comparison of the fakes."""
+    return records_from_frame(toy_frame(*given, **named))

@@ -17,7 +17,7 @@ from tests.comparison.fakes import (
     toy_problem,
     truth,
 )
-from uqfold.comparison import plan_comparison, run_comparison
+from uqfold.comparison import comparison_header, plan_comparison, run_comparison
 from uqfold.comparison.columns import COLUMNS
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import available
@@ -131,10 +131,16 @@ def test_methods_are_given_one_by_one_as_they_finish() -> None:
     problem = toy_problem()
     runs = run_comparison(plan_comparison(problem, {"a": Told(n=10), "b": Told(n=20)}))
     assert rows_run(problem) == 0
-    assert next(runs).label == "a"
+    first = next(runs)
+    assert list(first["label"]) == ["a"] * len(GRID)
     assert rows_run(problem) == 10
-    assert next(runs).label == "b"
+    second = next(runs)
+    assert list(second["label"]) == ["a"] * len(GRID) + ["b"] * len(GRID)
     assert rows_run(problem) == 30
+    for frame, finished in ((first, ["a"]), (second, ["a", "b"])):
+        header = comparison_header(frame)
+        assert [one["label"] for one in header["methods"]] == ["a", "b"]
+        assert header["finished"] == finished
 
 
 def test_progress_hears_of_every_method_and_batch() -> None:
@@ -187,7 +193,7 @@ def test_policy_raise_ends_the_comparison_but_finished_methods_stay() -> None:
         evaluator=Evaluator(failed_runs="raise"),
     )
     runs = run_comparison(plan)
-    assert next(runs).label == "small"
+    assert set(next(runs)["label"]) == {"small"}
     with pytest.raises(FailedRunError, match="NaN"):
         next(runs)
 

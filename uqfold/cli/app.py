@@ -17,7 +17,7 @@ from uqfold.cli.report import REPORT_HELP, report_command
 from uqfold.cli.streams import exit_code_of, flush_streams, open_streams, os_error_text
 from uqfold.cli.study import study_app
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
-from uqfold.comparison.cases import available_cases, named_case
+from uqfold.comparison.named_problems import available_problems, named_problem
 from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 BATCH_ROWS = 1024
 """Runs in this process between two looks at Ctrl-C; has no influence on any number."""
 
-_WIDEST_CASE = max(map(len, available_cases()))
+_WIDEST_CASE = max(map(len, available_problems()))
 _CASES = "\n".join(
-    f"  {case.name:<{_WIDEST_CASE}}  {case.description}" for case in available_cases().values()
+    f"  {case.name:<{_WIDEST_CASE}}  {case.description}" for case in available_problems().values()
 )
 
 _APP_HELP = """How reliable is this system, and which method tells us most cheaply?
@@ -187,15 +187,15 @@ def compare_methods(
     ] = "bar",
 ) -> None:
     """Compare methods on a case."""
-    chosen = usage(named_case, case)
+    chosen = usage(named_problem, case)
     problem = chosen.problem()
 
     from uqfold.cli.compare import ComparisonSession
     from uqfold.cli.words import chosen_criteria, chosen_word, listed
-    from uqfold.comparison.header import shown_command
-    from uqfold.comparison.run import ComparisonPlan, plan_comparison
+    from uqfold.comparison.plan import ComparisonPlan, plan_comparison
     from uqfold.evaluation import Dask, Evaluator
     from uqfold.problems.criterion import Criteria
+    from uqfold.provenance import shown_command
 
     def plan() -> ComparisonPlan:
         return plan_comparison(
@@ -224,7 +224,7 @@ def compare_methods(
     invocation: Invocation = context.obj
     session = ComparisonSession(
         planned,
-        shown_command(invocation.words),
+        shown_command(["uqfold", *invocation.words]),
         folder,
         invocation.interrupts,
         figures=not no_figures,

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
 
 from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.streams import EXIT_USAGE, os_error_text, shown_path
-from uqfold.comparison.header import RunHeader
-from uqfold.comparison.records import Records, write_records
-from uqfold.comparison.run import ComparisonPlan, run_comparison
+from uqfold.comparison.entries import records_from_frame
+from uqfold.comparison.plan import ComparisonPlan
+from uqfold.comparison.records import write_records
+from uqfold.comparison.run import run_comparison
 from uqfold.evaluation import EngineError, FailedRunError, Store
 from uqfold.problems.base import Problem
 from uqfold.report.figures import figure_paths, write_figures
@@ -26,6 +25,9 @@ from uqfold.report.layout import hanging
 from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
 from uqfold.report.progress_lines import ProgressLines
 from uqfold.report.table import ComparisonTable
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PIPED_WIDTH = 120
 COMPILING = "compiling the model (on first use only, 10 to 20 s) ..."
@@ -66,11 +68,8 @@ class ComparisonSession:
     quiet: bool = False
     progress_lines: bool = False
     resume: str = ""
-    records: Records = field(init=False)
+    frame: pd.DataFrame | None = field(default=None, init=False)
     _written: list[Path] = field(default_factory=list, init=False)
-
-    def __post_init__(self) -> None:
-        self.records = Records(RunHeader.of(self.plan, self.command), ())
 
     def run(self) -> int:
         """Run all methods and report; give the exit code of the program.
@@ -91,9 +90,9 @@ class ComparisonSession:
             # the methods that finished are still shown
             say(f"error: {os_error_text(error)}")
             self.figures, code = False, EXIT_USAGE
-        if self.records.rows:
-            self._report()
-        if code == 0 and all(math.isnan(row["pf"]) for row in self.records.rows):
+        if self.frame is not None:
+            self._report(self.frame)
+        if code == 0 and (self.frame is None or self.frame["pf"].isna().all()):
             say("error: no method has an answer")
             code = EXIT_FAILED
         return code
@@ -115,40 +114,40 @@ class ComparisonSession:
                 self.interrupts.check()
                 bar(label, n_evals, expected)
 
-            for run in run_comparison(plan, progress):
+            for frame in run_comparison(plan, progress, self.command):
                 # what was interrupted may look finished where a library swallowed the interruption
                 self.interrupts.check()
-                self._save(run.rows)
+                self._save(frame)
 
-    def _save(self, rows: Iterable[dict[str, Any]]) -> None:
-        if not self.records.rows:
+    def _save(self, frame: pd.DataFrame) -> None:
+        if self.frame is None:
             # figures of an earlier comparison would not belong to these records
             for path in figure_paths(self.folder):
                 path.unlink(missing_ok=True)
-        self.records = replace(self.records, rows=(*self.records.rows, *rows))
-        self._written = list(write_records(self.records, self.folder))
+        self.frame = frame
+        self._written = list(write_records(frame, self.folder))
 
-    def _report(self) -> None:
+    def _report(self, frame: pd.DataFrame) -> None:
         out = stdout_console(quiet=self.quiet)
+        records = records_from_frame(frame)
         try:
-            out.print(ComparisonTable(self.records))
+            out.print(ComparisonTable(records))
         finally:
             # the files are written whether or not anybody can read the table
             if self.figures:
-                self._written += write_figures(self.records.to_frame(), self.folder)
+                self._written += write_figures(frame, self.folder)
         names = ", ".join(path.name for path in self._written)
         out.print()
         for line in hanging(f"written to {shown_path(self.folder)}: ", names, out.width):
             out.print(line, highlight=False)
 
     def _say_interrupted(self) -> None:
-        finished, asked = self.records.finished, self.records.header.methods
+        finished = [] if self.frame is None else list(dict.fromkeys(self.frame["label"]))
         said = "interrupted before any method finished; nothing was written"
         if finished:
-            said = (
-                f"interrupted: {len(finished)} of {len(asked)} methods finished and are kept in "
-                f"{shown_path(self.folder)}: {', '.join(finished)}"
-            )
+            n, kept = len(self.plan.methods), shown_path(self.folder)
+            said = f"interrupted: {len(finished)} of {n} methods finished and are kept in {kept}: "
+            said += ", ".join(finished)
         say(said)
         store = self.plan.evaluator.store
         if isinstance(store, Store):

@@ -20,7 +20,6 @@ from uqfold.cli.compare import (
 from uqfold.cli.invocation import Invocation
 from uqfold.cli.streams import shown_path
 from uqfold.cli.study import DEFAULT_ROOT, QUICK_FOLDER
-from uqfold.comparison.header import shown_command
 from uqfold.comparison.studies.check import compare_tables
 from uqfold.comparison.studies.document import StudyError
 from uqfold.comparison.studies.loading import load_study
@@ -37,6 +36,7 @@ from uqfold.comparison.studies.results import (
 from uqfold.comparison.studies.runner import StudyRunner
 from uqfold.comparison.studies.study import FILE_NAME, Study
 from uqfold.evaluation import EngineError, FailedRunError
+from uqfold.provenance import shown_command
 from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
 from uqfold.report.studies.exhibits import write_exhibits
 from uqfold.report.studies.page import write_page

@@ -5,31 +5,27 @@ from typing import TYPE_CHECKING
 from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from uqfold.comparison.cases import Case, available_cases, named_case
-    from uqfold.comparison.frames import records_from_frame
-    from uqfold.comparison.header import RunHeader
-    from uqfold.comparison.records import Records, RecordsError, read_records, write_records
-    from uqfold.comparison.run import (
-        ComparisonPlan,
-        MethodRun,
-        compare,
-        plan_comparison,
-        run_comparison,
-    )
+    from uqfold.comparison.benchmark import benchmark_summary
+    from uqfold.comparison.frames import checked_frame, comparison_header
+    from uqfold.comparison.header import criteria_of
+    from uqfold.comparison.named_problems import NamedProblem, available_problems, named_problem
+    from uqfold.comparison.plan import ComparisonPlan, plan_comparison
+    from uqfold.comparison.records import RecordsError, read_records, write_records
+    from uqfold.comparison.run import compare, run_comparison
 
 __all__ = [
-    "Case",
     "ComparisonPlan",
-    "MethodRun",
-    "Records",
+    "NamedProblem",
     "RecordsError",
-    "RunHeader",
-    "available_cases",
+    "available_problems",
+    "benchmark_summary",
+    "checked_frame",
     "compare",
-    "named_case",
+    "comparison_header",
+    "criteria_of",
+    "named_problem",
     "plan_comparison",
     "read_records",
-    "records_from_frame",
     "run_comparison",
     "write_records",
 ]
@@ -38,18 +34,18 @@ __getattr__, __dir__ = lazy_exports(
     __name__,
     globals(),
     {
-        "Case": "uqfold.comparison.cases",
-        "ComparisonPlan": "uqfold.comparison.run",
-        "MethodRun": "uqfold.comparison.run",
-        "Records": "uqfold.comparison.records",
+        "ComparisonPlan": "uqfold.comparison.plan",
+        "NamedProblem": "uqfold.comparison.named_problems",
         "RecordsError": "uqfold.comparison.records",
-        "RunHeader": "uqfold.comparison.header",
-        "available_cases": "uqfold.comparison.cases",
+        "available_problems": "uqfold.comparison.named_problems",
+        "benchmark_summary": "uqfold.comparison.benchmark",
+        "checked_frame": "uqfold.comparison.frames",
         "compare": "uqfold.comparison.run",
-        "named_case": "uqfold.comparison.cases",
-        "plan_comparison": "uqfold.comparison.run",
+        "comparison_header": "uqfold.comparison.frames",
+        "criteria_of": "uqfold.comparison.header",
+        "named_problem": "uqfold.comparison.named_problems",
+        "plan_comparison": "uqfold.comparison.plan",
         "read_records": "uqfold.comparison.records",
-        "records_from_frame": "uqfold.comparison.frames",
         "run_comparison": "uqfold.comparison.run",
         "write_records": "uqfold.comparison.records",
     },

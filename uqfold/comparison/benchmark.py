@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.checks import instance, mapping, whole
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -62,6 +64,14 @@ def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFram
     """
     import pandas as pd
 
+    instance("frame", frame, pd.DataFrame, "give rows of uqfold.compare")
+    missing = [name for name in (*NEEDS, "max_evals") if name not in frame.columns]
+    if missing:
+        raise ValueError(f"the frame has no column {missing[0]!r}: give rows of uqfold.compare")
+    units = mapping("units", units, whole, at_least=1)
+    unknown = sorted(set(frame["problem"]) - set(units))
+    if unknown:
+        raise ValueError(f"units = {units!r}: give the number of units of {unknown[0]!r} too")
     known = frame[frame["reference_pf"] > 0.0].copy()
     known["synchronized"] = known["tau"].notna()
     known["decade"] = np.ceil(np.log10(known["reference_pf"])).astype(int) - 1

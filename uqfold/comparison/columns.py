@@ -7,7 +7,7 @@ followed by the reference and the error against it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -85,3 +85,10 @@ def rows_to_frame(rows: Iterable[Row]) -> pd.DataFrame:
             for name, kind in COLUMNS.items()
         }
     )
+
+
+def rows_of(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield the rows that `rows_to_frame` was given."""
+    columns = [map(kind, frame[name].tolist()) for name, kind in COLUMNS.items()]
+    for values in zip(*columns, strict=True):
+        yield dict(zip(COLUMNS, values, strict=True))

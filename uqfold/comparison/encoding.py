@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from typing import Any, NoReturn, TypeVar
 
 from uqfold.checks import shown
-from uqfold.problems.criterion import Binomial, Criterion
 
 Value = TypeVar("Value", float, int, str)
 
@@ -51,33 +50,51 @@ def decoded(value: Any, kind: type[Value], where: str) -> Value:
     return kind(value)
 
 
+def checked(value: Any, form: Any, where: str) -> Any:
+    """Return a JSON value, whose numbers stay encoded, if it has a form.
+
+    Parameters
+    ----------
+    value
+        What was read.
+    form
+        `str`, `int` or `float`, or None for nothing; a tuple of forms that it may have; a list with
+        the form of every item; a dict of field -> form, or of `str` -> form for every field.
+        Fields that a form does not name are left out.
+    where
+        Name of the value, for messages.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If it lacks a field, or is none of the forms; the message says where.
+    """
+    if isinstance(form, tuple):
+        fitting = next((one for one in form if _looks_like(value, one)), form[-1])
+        return checked(value, fitting, where)
+    if form is None:
+        return None
+    if isinstance(form, list):
+        if not isinstance(value, list):
+            raise TypeError(f"{where} = {shown(value)} is not a list")
+        return [checked(one, form[0], where) for one in value]
+    if isinstance(form, dict):
+        if not isinstance(value, Mapping):
+            raise TypeError(f"{where} = {shown(value)} is not an object")
+        fields = form if str not in form else dict.fromkeys(value, form[str])
+        return {name: checked(value[name], one, name) for name, one in fields.items()}
+    return encoded(decoded(value, form, where))
+
+
+def _looks_like(value: Any, form: Any) -> bool:
+    if form is None:
+        return value is None
+    return isinstance(form, dict) == isinstance(value, Mapping)
+
+
 def member(document: Mapping[str, Any], name: str, kind: type[Value]) -> Value:
     """Give one field of a JSON object, decoded; a missing one is a KeyError."""
     return decoded(document[name], kind, name)
-
-
-def encoded_criterion(criterion: Criterion) -> dict[str, Any]:
-    """Give a criterion as a JSON object."""
-    missions: Any = criterion.missions
-    if isinstance(missions, Binomial):
-        missions = {"planned": missions.planned, "p": missions.p}
-    return {
-        "threshold": encoded(criterion.threshold),
-        "tau": None if criterion.tau is None else encoded(criterion.tau),
-        "missions": missions,
-    }
-
-
-def decoded_criterion(document: Mapping[str, Any]) -> Criterion:
-    """Give back the criterion that `encoded_criterion` was given."""
-    tau, missions = document["tau"], document["missions"]
-    return Criterion(
-        member(document, "threshold", float),
-        None if tau is None else decoded(tau, float, "tau"),
-        Binomial(member(missions, "planned", int), member(missions, "p", float))
-        if isinstance(missions, Mapping)
-        else decoded(missions, int, "missions"),
-    )
 
 
 def parsed_json(text: str) -> Any:

@@ -1,30 +1,28 @@
-"""From a pandas frame of a comparison back to its records."""
+"""Frames of comparisons, whatever became of them since `uqfold.compare` returned them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import instance
-from uqfold.comparison.columns import COLUMNS, Row
+from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
 from uqfold.comparison.csv_cells import text_of_cell
-from uqfold.comparison.entries import MethodEntry
-from uqfold.comparison.header import RunHeader
-from uqfold.comparison.records import HEADER_ATTRIBUTE, Records
-from uqfold.problems.criterion import Binomial, Criteria, Criterion
+from uqfold.comparison.header import ATTRIBUTE, bare_header, checked_header, encoded_criterion
+from uqfold.problems.criterion import Binomial, Criterion
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def records_from_frame(frame: pd.DataFrame) -> Records:
-    """Give the records of a frame that `uqfold.compare` returned, or of a part of it.
+def checked_frame(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a comparison in their columns and types, with the header of these rows.
 
-    How the comparison was made travels in ``frame.attrs``. A frame without it (read from a CSV
-    file, say) gives a header with what the rows alone tell: settings, equations, versions and
-    date are then unknown.
+    How the comparison was made travels in ``frame.attrs``. The header returned has the criteria
+    that occur in the rows, the methods that do, and those that had not finished. A frame without
+    a header (read from a CSV file, say) gets one with what the rows alone tell: settings,
+    equations, versions and date are then unknown.
 
     Parameters
     ----------
@@ -44,25 +42,36 @@ def records_from_frame(frame: pd.DataFrame) -> Records:
         raise ValueError(
             f"the frame has no column {missing[0]!r}: give one that uqfold.compare returned"
         )
-    rows = tuple(_rows(frame, written=HEADER_ATTRIBUTE not in frame.attrs))
-    problems = list(dict.fromkeys(row["problem"] for row in rows))
+    columns = {name: _column(name, frame[name].tolist(), kind) for name, kind in COLUMNS.items()}
+    if ATTRIBUTE not in frame.attrs:
+        # its texts are those of a CSV file
+        columns |= {
+            name: list(map(text_of_cell, columns[name]))
+            for name, kind in COLUMNS.items()
+            if kind is str
+        }
+    problems = list(dict.fromkeys(columns["problem"]))
     if len(problems) != 1:
         named = ", ".join(problems) if problems else "none"
         raise ValueError(f"a report is about one problem, the frame holds {named}: select one")
-    document = frame.attrs.get(HEADER_ATTRIBUTE)
-    criteria = Criteria(_criteria(rows))
-    header = _bare_header(rows, criteria) if document is None else _header(document, rows, criteria)
-    return Records(header, rows)
+    rows = [
+        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
+    ]
+    checked = rows_to_frame(rows)
+    checked.attrs[ATTRIBUTE] = _header(frame.attrs.get(ATTRIBUTE), rows)
+    return checked
 
 
-def _rows(frame: pd.DataFrame, *, written: bool) -> Iterator[Row]:
-    """Yield the rows; `written`: their texts are those of a CSV file."""
-    columns = [_column(name, frame[name].tolist(), kind) for name, kind in COLUMNS.items()]
-    for values in zip(*columns, strict=True):
-        row = dict(zip(COLUMNS, values, strict=True))
-        if written:
-            row |= {name: text_of_cell(row[name]) for name, kind in COLUMNS.items() if kind is str}
-        yield row
+def comparison_header(frame: pd.DataFrame) -> dict[str, Any]:
+    """Return how the comparison in a frame was made; see `checked_frame`, and ``docs/records.md``.
+
+    Raises
+    ------
+    ValueError
+        If the frame is not one of a comparison.
+    """
+    header: dict[str, Any] = checked_frame(frame).attrs[ATTRIBUTE]
+    return header
 
 
 def _column(name: str, values: list[Any], kind: type) -> list[Any]:
@@ -76,6 +85,22 @@ def _column(name: str, values: list[Any], kind: type) -> list[Any]:
         raise ValueError(
             f"the column {name!r} of the frame holds no such numbers: {error}"
         ) from error
+
+
+def _header(document: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    occurring = [encoded_criterion(one) for one in _criteria(rows)]
+    labels = {row["label"]: row["method"] for row in rows}
+    if document is not None:
+        header = checked_header(document)
+        if set(labels) <= {one["label"] for one in header["methods"]}:
+            left_out = set(header["finished"]) - set(labels)
+            methods = [one for one in header["methods"] if one["label"] not in left_out]
+            return {
+                **header, "criteria": occurring, "methods": methods, "finished": list(labels)
+            }  # fmt: skip
+    # where rows of another comparison were appended, nothing is known about how they were made
+    bare = bare_header(rows[0]["problem"], labels, rows[0]["seed"])
+    return {**bare, "criteria": occurring}
 
 
 def _criteria(rows: Iterable[Row]) -> list[Criterion]:
@@ -101,34 +126,3 @@ def _count(missions: str) -> int:
     if not missions.isdecimal():
         raise ValueError(f"missions = {missions!r}: give a whole number, or missions_planned")
     return int(missions)
-
-
-def _header(document: Mapping[str, Any], rows: tuple[Row, ...], criteria: Criteria) -> RunHeader:
-    header = RunHeader.from_document(document)
-    labels = {row["label"] for row in rows}
-    methods = tuple(entry for entry in header.methods if entry.label in labels)
-    known = {entry.label for entry in methods}
-    if labels - known:
-        # rows of another comparison were appended: nothing is known about how they were made
-        return _bare_header(rows, criteria)
-    return replace(header, criteria=criteria, methods=methods)
-
-
-def _bare_header(rows: tuple[Row, ...], criteria: Criteria) -> RunHeader:
-    methods = {row["label"]: row["method"] for row in rows}
-    return RunHeader(
-        problem=rows[0]["problem"],
-        response="response",
-        response_unit="",
-        system=None,
-        criteria=criteria,
-        methods=tuple(MethodEntry(label, name, "", "") for label, name in methods.items()),
-        seed=rows[0]["seed"],
-        max_evals=None,
-        failed_runs="",
-        reference=None,
-        command="",
-        date="",
-        machine="",
-        versions={},
-    )

@@ -1,7 +1,7 @@
-"""Records of a comparison on disk: what was asked, how it was run, and every row.
+"""Records of a comparison on disk: how it was made, and every row.
 
 The format is described in ``docs/records.md``. Two files hold the same rows: ``comparison.json``
-with everything, from which `read_records` gets the very same numbers back, and ``comparison.csv``
+with everything, from which `read_records` gets the very same frame back, and ``comparison.csv``
 for other programs.
 """
 
@@ -10,91 +10,71 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import instance, keep, several
 from uqfold.checks import path as checked_path
-from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
+from uqfold.comparison import entries
+from uqfold.comparison.columns import COLUMNS, rows_of, rows_to_frame
 from uqfold.comparison.csv_cells import csv_text
 from uqfold.comparison.encoding import decoded, encoded, parsed_json
-from uqfold.comparison.header import RunHeader
+from uqfold.comparison.frames import checked_frame
+from uqfold.comparison.header import ATTRIBUTE, checked_header
 from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
 
-SCHEMA = "uqfold-comparison/2"
+SCHEMA = "uqfold-comparison/3"
+EARLIER = "uqfold-comparison/2"
+"""As `SCHEMA`, without ``source`` and ``finished``."""
 JSON_NAME = "comparison.json"
 CSV_NAME = "comparison.csv"
-HEADER_ATTRIBUTE = "uqfold-comparison"
-"""Where a frame of a comparison carries its header, in ``frame.attrs``."""
+Records = entries.Records  # until reports take frames
 
 
 class RecordsError(ValueError):
-    """A file is no record of a comparison, or a damaged one."""
+    """A file is not a record of a comparison, or a damaged one."""
 
 
-@dataclass(frozen=True)
-class Records:
-    """A comparison as it is kept: how it was made, and its rows.
-
-    Attributes
-    ----------
-    header
-        What was asked and how it was run.
-    rows
-        One mapping per method and criterion, with the columns of `columns.COLUMNS`.
-    """
-
-    header: RunHeader
-    rows: tuple[Row, ...]
-
-    def __post_init__(self) -> None:
-        keep(self, "header", instance, RunHeader, "give a RunHeader")
-        keep(self, "rows", several, instance, (Mapping,), "give a dict of column -> value")
-
-    @property
-    def finished(self) -> tuple[str, ...]:
-        """Labels of the methods that have rows, in the order in which they ran."""
-        return tuple(dict.fromkeys(row["label"] for row in self.rows))
-
-    @property
-    def complete(self) -> bool:
-        """Whether every method that was asked for has its rows."""
-        return self.finished == tuple(entry.label for entry in self.header.methods)
-
-    def to_frame(self) -> pd.DataFrame:
-        """Give the rows as `uqfold.compare` does; `records_from_frame` gives the records back."""
-        frame = rows_to_frame(self.rows)
-        frame.attrs[HEADER_ATTRIBUTE] = self.header.to_document()
-        return frame
-
-
-def write_records(records: Records, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
+def write_records(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
     """Write ``comparison.csv`` and ``comparison.json`` into a folder, made if it is missing.
 
     Each file appears whole or not at all: an interrupted write leaves the earlier one.
+
+    Parameters
+    ----------
+    frame
+        What `uqfold.compare` returned, or a part of it; see `checked_frame`.
+    folder
+        Where to.
 
     Returns
     -------
     tuple[pathlib.Path, pathlib.Path]
         The two files, CSV first.
+
+    Raises
+    ------
+    ValueError
+        If the frame is not one of a comparison.
+    OSError
+        If a file cannot be written.
     """
-    instance("records", records, Records, "give Records")
+    checked = checked_frame(frame)
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     paths = directory / CSV_NAME, directory / JSON_NAME
-    texts = csv_text(COLUMNS, records.rows), _json_text(records)
-    for path, text in zip(paths, texts, strict=True):
+    rows = list(rows_of(checked))
+    for path, text in zip(
+        paths, (csv_text(COLUMNS, rows), _json_text(checked.attrs[ATTRIBUTE], rows)), strict=True
+    ):
         write_text(path, text)
     return paths
 
 
-def read_records(path: str | os.PathLike[str]) -> Records:
+def read_records(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Read the records of a comparison; their numbers are those written, to the last bit.
 
     Parameters
@@ -102,10 +82,15 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     path
         A ``comparison.json``, or the folder that holds it.
 
+    Returns
+    -------
+    pandas.DataFrame
+        The frame that was written, with its header in ``attrs``.
+
     Raises
     ------
     RecordsError
-        If the file is not of the schema ``uqfold-comparison/2``, or is damaged.
+        If the file is not of the schema `SCHEMA` or `EARLIER`, or is damaged.
     OSError
         If it cannot be opened.
     """
@@ -113,7 +98,7 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     if file.is_dir():
         file = file / JSON_NAME
     try:
-        return _parsed(parsed_json(file.read_text(encoding="utf-8")))
+        return _frame(parsed_json(file.read_text(encoding="utf-8")))
     except (ValueError, KeyError, TypeError) as error:
         what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
         raise RecordsError(
@@ -122,18 +107,13 @@ def read_records(path: str | os.PathLike[str]) -> Records:
         ) from error
 
 
-def _json_text(records: Records) -> str:
-    document = {
-        "schema": SCHEMA,
-        **records.header.to_document(),
-        "columns": list(COLUMNS),
-        "rows": [
-            {name: encoded(kind(row[name])) for name, kind in COLUMNS.items()}
-            for row in records.rows
-        ],
-    }
-    document["sha256"] = _digest(document)
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+def _json_text(header: Mapping[str, Any], rows: list[dict[str, Any]]) -> str:
+    written = [{name: encoded(value) for name, value in row.items()} for row in rows]
+    document = {"schema": SCHEMA, **header, "columns": list(COLUMNS)}
+    document["sha256"] = _digest({**document, "rows": written})
+    above = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False).removesuffix("\n}")
+    lines = ",\n".join(json.dumps(row, ensure_ascii=False, allow_nan=False) for row in written)
+    return f'{above},\n "rows": [\n{lines}\n ]\n}}\n'
 
 
 def _digest(document: Mapping[str, Any]) -> str:
@@ -142,28 +122,28 @@ def _digest(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
-def _parsed(document: Any) -> Records:
+def _frame(document: Any) -> pd.DataFrame:
     if not isinstance(document, Mapping):
         raise TypeError("it holds no JSON object")
-    if document.get("schema") != SCHEMA:
+    if document.get("schema") not in (SCHEMA, EARLIER):
         raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
     if document["columns"] != list(COLUMNS):
         raise ValueError(f"its columns are not those of {SCHEMA}")
-    header = RunHeader.from_document(document)
-    rows = tuple(_parsed_row(row, i) for i, row in enumerate(document["rows"]))
-    known = {entry.label for entry in header.methods}
-    for label, n_rows in Counter(row["label"] for row in rows).items():
-        if label not in known or n_rows != len(header.criteria):
-            raise ValueError(
-                f"it has {n_rows} rows of {label!r} for {len(header.criteria)} criteria"
-            )
-    # records of earlier versions carry none
+    rows = [_row(row, i) for i, row in enumerate(document["rows"])]
+    finished = list(dict.fromkeys(row["label"] for row in rows))
+    unknown = {"source": {}, "finished": finished} if document["schema"] == EARLIER else {}
+    header = checked_header({**document, **unknown})
+    if unasked := set(finished) - {one["label"] for one in header["methods"]}:
+        raise ValueError(f"it has rows of {min(unasked)!r}, which is none of its methods")
+    # version 0.1.0 wrote no digest at first
     if document.get("sha256", digest := _digest(document)) != digest:
         raise ValueError("it is damaged: it does not have the digest that it states")
-    return Records(header, rows)
+    frame = rows_to_frame(rows)
+    frame.attrs[ATTRIBUTE] = header
+    return frame
 
 
-def _parsed_row(row: Mapping[str, Any], index: int) -> Row:
+def _row(row: Mapping[str, Any], index: int) -> dict[str, Any]:
     if list(row) != list(COLUMNS):
         raise ValueError(f"row {index} has not the columns of the record")
     return {

@@ -2,135 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
 
-from uqfold.checks import (
-    function,
-    instance,
-    keep,
-    listed,
-    mapping,
-    or_none,
-    refused,
-    text,
-    whole,
-)
-from uqfold.comparison.columns import comparison_row
+from uqfold.checks import function, instance, or_none, text
+from uqfold.comparison.columns import Row, comparison_row, rows_to_frame
+from uqfold.comparison.header import ATTRIBUTE, header_of
+from uqfold.comparison.plan import ComparisonPlan, Methods, plan_comparison
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import (
-    CriteriaLike,
-    checked_budget,
-    checked_criteria,
-    checked_evaluator,
-    checked_problem,
-)
-from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.registry import available, named
-from uqfold.methods.result import ReliabilityResult
-from uqfold.methods.seeding import LARGEST_SEED, RandomSource, reduced_seed
+from uqfold.methods.arguments import CriteriaLike
+from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criteria
 
 if TYPE_CHECKING:
     import pandas as pd
 
-MethodLike: TypeAlias = str | ReliabilityMethod
-Methods: TypeAlias = MethodLike | Iterable[MethodLike] | Mapping[str, MethodLike] | None
 ComparisonProgress: TypeAlias = Callable[[str, int, int | None], None]
 """Called with (label, runs so far, runs expected or None), first as a method starts, with zero."""
 
 
-@dataclass(frozen=True)
-class ComparisonPlan:
-    """A checked question: nothing in it can be refused any more, and nothing has been run.
-
-    Attributes
-    ----------
-    problem
-        What may fail.
-    methods
-        Label -> method, in the order in which they run.
-    criteria
-        The grid that every method answers.
-    max_evals
-        Most runs that each method may spend, or None.
-    seed
-        Seed that every method gets.
-    evaluator
-        How model runs are made.
-    """
-
-    problem: Problem
-    methods: Mapping[str, ReliabilityMethod]
-    criteria: Criteria
-    max_evals: int | None = None
-    seed: int = 0
-    evaluator: Evaluator = field(default_factory=Evaluator)
-
-    def __post_init__(self) -> None:
-        keep(self, "problem", instance, Problem, "give a Problem")
-        keep(self, "methods", instance, (Mapping,), "give a dict of label -> method")
-        for label, method in self.methods.items():
-            text("a label of methods", label)
-            instance(f"methods[{label!r}]", method, (ReliabilityMethod,), "give a method")
-        keep(self, "criteria", instance, Criteria, "give criteria(...)")
-        keep(self, "max_evals", or_none, whole, at_least=1)
-        keep(self, "seed", whole, at_least=0, at_most=LARGEST_SEED)
-        keep(self, "evaluator", instance, Evaluator, "give uqfold.Evaluator(...)")
-
-
-@dataclass(frozen=True)
-class MethodRun:
-    """One finished method of a comparison.
-
-    Attributes
-    ----------
-    label
-        Its label in the comparison.
-    method
-        The method with its settings.
-    result
-        What it answered.
-    rows
-        The answers as rows of the comparison, one per criterion; see `columns.COLUMNS`.
-    """
-
-    label: str
-    method: ReliabilityMethod
-    result: ReliabilityResult
-    rows: tuple[dict[str, Any], ...]
-
-
-def plan_comparison(
-    problem: Problem,
-    methods: Methods = None,
-    criteria: CriteriaLike = None,
-    *,
-    max_evals: int | None = None,
-    rng: RandomSource = 0,
-    evaluator: Evaluator | None = None,
-) -> ComparisonPlan:
-    """Check the arguments of a comparison, without running anything; see `compare` for them."""
-    checked_problem(problem)
-    return ComparisonPlan(
-        problem=problem,
-        methods=MappingProxyType(_labelled(methods)),
-        criteria=checked_criteria(problem, criteria),
-        max_evals=checked_budget(max_evals),
-        seed=reduced_seed(rng),
-        evaluator=checked_evaluator(evaluator),
-    )
-
-
 def run_comparison(
-    plan: ComparisonPlan, progress: ComparisonProgress | None = None
-) -> Iterator[MethodRun]:
-    """Run the methods of a plan one after the other, and give each as soon as it is finished.
+    plan: ComparisonPlan, progress: ComparisonProgress | None = None, command: str = ""
+) -> Iterator[pd.DataFrame]:
+    """Run the methods of a plan one after the other; yield the comparison so far after each.
 
-    What has been given stays valid whatever happens later, so that a caller who saves it at once
+    What has been yielded stays valid whatever happens later, so that a caller who saves it at once
     loses nothing to an interruption.
 
     Parameters
@@ -138,12 +35,15 @@ def run_comparison(
     plan
         What to run.
     progress
-        Called as each method starts and after every batch of model runs.
+        Called as each method starts and after every batch of evaluations.
+    command
+        The command as typed, for the header.
 
     Yields
     ------
-    MethodRun
-        One finished method.
+    pandas.DataFrame
+        The rows of the methods that have finished, with the header of the whole comparison; see
+        `compare`.
 
     Raises
     ------
@@ -152,8 +52,11 @@ def run_comparison(
     """
     instance("plan", plan, ComparisonPlan, "give what plan_comparison returned")
     or_none("progress", progress, function)
+    text("command", command, empty=True)
+    header = header_of(plan, command)
     known = plan.problem.references
     references = [None if known is None else known.lookup(one) for one in plan.criteria]
+    rows = list[Row]()
     for label, method in plan.methods.items():
         evaluator = plan.evaluator
         if progress is not None:
@@ -166,11 +69,14 @@ def run_comparison(
             rng=plan.seed,
             evaluator=evaluator,
         )
-        rows = tuple(
+        rows += [
             comparison_row(plan.problem.name, label, row, reference)
             for row, reference in zip(result, references, strict=True)
-        )
-        yield MethodRun(label, method, result, rows)
+        ]
+        frame = rows_to_frame(rows)
+        header = {**header, "finished": [*header["finished"], label]}
+        frame.attrs[ATTRIBUTE] = header
+        yield frame
 
 
 def compare(
@@ -235,12 +141,8 @@ def compare(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator
     )
     or_none("progress", progress, function)
-    from uqfold.comparison.header import RunHeader
-    from uqfold.comparison.records import Records
-
-    header = RunHeader.of(plan)
-    rows = tuple(row for run in run_comparison(plan, progress) for row in run.rows)
-    return Records(header, rows).to_frame()
+    *_, frame = run_comparison(plan, progress)
+    return frame
 
 
 def _both(
@@ -254,39 +156,3 @@ def _both(
             evaluator.progress(n_evals, expected)
 
     return report
-
-
-def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
-    if methods is None:
-        return {name: method() for name, method in available().items()}
-    if isinstance(methods, Mapping):
-        labelled = mapping("methods", methods, _built)
-        if not all(label.strip() for label in labelled):
-            raise refused("methods", list(labelled), "give labels that are not empty")
-    else:
-        one = isinstance(methods, str | ReliabilityMethod)
-        given = (methods,) if one else listed("methods", methods, what="list of methods")
-        labelled = {}
-        for i, item in enumerate(given):
-            method = _built("methods" if one else f"methods[{i}]", item)
-            if method.name in labelled:
-                raise ValueError(
-                    f"methods: two are labelled {method.name!r}, give a dict of label -> method"
-                )
-            labelled[method.name] = method
-    if not labelled:
-        raise refused("methods", methods, f"choose from {', '.join(available())}")
-    return labelled
-
-
-def _built(name: str, method: MethodLike) -> ReliabilityMethod:
-    if isinstance(method, str):
-        return named(name, method)
-    if isinstance(method, type) and issubclass(method, ReliabilityMethod):
-        raise refused(
-            name, method, f"it is a class, give an instance: {method.__name__}()", TypeError
-        )
-    checked: ReliabilityMethod = instance(
-        name, method, (ReliabilityMethod,), "give a name or a ReliabilityMethod"
-    )
-    return checked

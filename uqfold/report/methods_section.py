@@ -5,8 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Mapping
 
-from uqfold.comparison.entries import MethodEntry, SystemEntry
-from uqfold.comparison.header import RunHeader
+from uqfold.comparison.entries import MethodEntry, RunHeader, SystemEntry
 from uqfold.comparison.records import Records
 from uqfold.problems.criterion import Binomial, Criteria
 from uqfold.report.page.blocks import (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias, get_args
 from uqfold.checks import choice, instance, or_none, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.comparison.encoding import parsed_json
+from uqfold.comparison.entries import records_from_frame
 from uqfold.comparison.records import JSON_NAME, Records, read_records
 from uqfold.report.page.blocks import Page
 from uqfold.report.page.builder import Page as BuiltPage
@@ -61,8 +62,6 @@ def report_page(source: Source) -> Page | BuiltPage:
             )
         return comparison_page(source)
     if hasattr(source, "columns"):
-        from uqfold.comparison.frames import records_from_frame
-
         return report_page(records_from_frame(source))
     from uqfold.report.validation_page import validation_page
 
@@ -125,7 +124,7 @@ def _page_of(path: Path) -> Page | BuiltPage:
     """Make the report on a folder or file, after what it holds."""
     if path.is_dir():
         if (path / JSON_NAME).is_file():
-            return report_page(read_records(path))
+            return report_page(records_from_frame(read_records(path)))
         if next(path.glob(f"*/{CASE_FILE}"), None) is not None:
             return report_page(kept_records(path))
         if next(path.glob("*.json"), None) is None:
@@ -135,7 +134,7 @@ def _page_of(path: Path) -> Page | BuiltPage:
         return report_page(read_case_records(path))
     if _says_validation(path):
         return report_page([read_case_record(path)])
-    return report_page(read_records(path))
+    return report_page(records_from_frame(read_records(path)))
 
 
 def _says_validation(path: Path) -> bool:

@@ -15,8 +15,8 @@ from typing import Any
 
 import uqfold
 from uqfold.comparison.encoding import decoded, encoded
-from uqfold.comparison.header import installed_versions
 from uqfold.comparison.sealed import read_sealed, write_sealed
+from uqfold.provenance import versions
 
 _ABOVE = {"cli", "report", "testing", "comparison"}
 """Rooms whose source changes no number; of the comparison the analyses do."""
@@ -57,7 +57,7 @@ class JobCache:
 
 def job_key(parts: Sequence[str]) -> str:
     """Give the digest under which a job is kept, from texts that together describe it."""
-    content = [_source_digest(), json.dumps(installed_versions(), sort_keys=True), *parts]
+    content = [_source_digest(), json.dumps(versions(), sort_keys=True), *parts]
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:40]
 
 

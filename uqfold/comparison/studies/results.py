@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from uqfold.comparison.csv_cells import csv_text, text_of_cell
 from uqfold.comparison.encoding import parsed_json
-from uqfold.comparison.header import installed_versions
 from uqfold.comparison.studies.runner import StudyTable
 from uqfold.comparison.studies.study import Study
+from uqfold.provenance import versions
 from uqfold.writing import write_text
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def write_record(
         quick=study.quick,
         date=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         command=command,
-        versions=installed_versions(),
+        versions=versions(),
         tables=tuple(tables),
     )
     document = {

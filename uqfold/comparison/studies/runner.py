@@ -9,7 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from uqfold.comparison.run import plan_comparison, run_comparison
+from uqfold.comparison.columns import rows_of
+from uqfold.comparison.plan import plan_comparison
+from uqfold.comparison.run import run_comparison
 from uqfold.comparison.studies.builtin import (
     BUILT_IN,
     INPUTS,
@@ -196,10 +198,10 @@ class StudyRunner:
             if self.progress is not None and n_evals:
                 self.progress(job.title, n_evals, expected)
 
-        [run] = run_comparison(plan, progress)
+        [frame] = run_comparison(plan, progress)
         budget = float("nan") if job.budget is None else float(job.budget)
-        rows = [{**row, "problem": job.problem, "max_evals": budget} for row in run.rows]
-        return rows, run.result.n_evals
+        rows = [{**row, "problem": job.problem, "max_evals": budget} for row in rows_of(frame)]
+        return rows, int(rows[0]["n_evals"])
 
     def _analysed(self, job: Job, spec: Spec) -> tuple[list[dict[str, Any]], int]:
         spent = {"n": 0}

@@ -1,28 +1,28 @@
-"""The named cases."""
+"""Problems with a name."""
 
 import pytest
 
-from uqfold.comparison import available_cases, named_case
+from uqfold.comparison import available_problems, named_problem
 
 
 @pytest.mark.parametrize("name", ["folding-wing", "series", "four-bar"])
-def test_a_case_builds_its_problem_with_criteria_and_references(name: str) -> None:
-    case = named_case(name)
-    problem = case.problem()
-    assert problem.name == case.name == name
+def test_a_name_builds_its_problem_with_criteria_and_references(name: str) -> None:
+    one = named_problem(name)
+    problem = one.problem()
+    assert problem.name == one.name == name
     assert problem.default_criteria is not None
     assert problem.references is not None
 
 
-def test_the_case_without_references_has_criteria() -> None:
-    problem = named_case("folding-wing-random-lengths").problem()
+def test_the_one_without_references_has_criteria() -> None:
+    problem = named_problem("folding-wing-random-lengths").problem()
     assert problem.name == "folding-wing-random-lengths"
     assert problem.default_criteria is not None
     assert problem.references is None
 
 
 def test_budgets_suit_the_cost_of_the_model() -> None:
-    budgets = {name: case.max_evals for name, case in available_cases().items()}
+    budgets = {name: one.max_evals for name, one in available_problems().items()}
     assert budgets == {
         "folding-wing": 40_000,
         "folding-wing-random-lengths": 40_000,
@@ -31,9 +31,9 @@ def test_budgets_suit_the_cost_of_the_model() -> None:
     }
 
 
-def test_an_unknown_case_is_refused_with_the_choices() -> None:
+def test_an_unknown_name_is_refused_with_the_choices() -> None:
     with pytest.raises(
         ValueError,
         match="name = 'wing': choose from 'folding-wing', 'folding-wing-random-lengths', 'ser",
     ):
-        named_case("wing")
+        named_problem("wing")

@@ -1,4 +1,4 @@
-"""Named cases: the problems that the command line can compare methods on."""
+"""Problems with a name, which the command line can compare methods on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Case:
+class NamedProblem:
     """A problem with a name, and a budget that suits the cost of its model.
 
     Attributes
@@ -40,7 +40,7 @@ class Case:
         keep(self, "max_evals", whole, at_least=1)
 
     def function(self) -> Callable[..., Problem]:
-        """Give the function that builds the problem, and takes its options."""
+        """Return the function that builds the problem, and takes its options."""
         module, _, function = self.factory.partition(":")
         return cast("Callable[..., Problem]", getattr(import_module(module), function))
 
@@ -49,46 +49,46 @@ class Case:
         return self.function()()
 
 
-_CASES = (
-    Case(
+_PROBLEMS = (
+    NamedProblem(
         "folding-wing",
-        "four folding wings, Example 3: deployment time of a mechanism with joint clearances",
+        "four folding wings: deployment time of a mechanism with joint clearances",
         "uqfold.problems:folding_wing",
         max_evals=40_000,
     ),
-    Case(
+    NamedProblem(
         "folding-wing-random-lengths",
-        "the same with random lengths of crank and rod, Example 6",
+        "the same with random lengths of crank and rod",
         "uqfold.problems:folding_wing_random_lengths",
         max_evals=40_000,
     ),
-    Case(
+    NamedProblem(
         "series",
-        "series system with a nonlinear response, Example 1: a formula",
+        "series system with a nonlinear response: a formula",
         "uqfold.problems:series",
         max_evals=2_000_000,
     ),
-    Case(
+    NamedProblem(
         "four-bar",
-        "two four-bar linkages on one crank, Example 2: rocker angle, a formula",
+        "two four-bar linkages on one crank: rocker angle, a formula",
         "uqfold.problems:four_bar",
         max_evals=2_000_000,
     ),
 )
 
 
-def available_cases() -> dict[str, Case]:
-    """Map every case's name to the case."""
-    return {case.name: case for case in _CASES}
+def available_problems() -> dict[str, NamedProblem]:
+    """Return name -> problem with that name."""
+    return {one.name: one for one in _PROBLEMS}
 
 
-def named_case(name: str) -> Case:
-    """Give the case of that name.
+def named_problem(name: str) -> NamedProblem:
+    """Return the problem of that name.
 
     Raises
     ------
     ValueError
         If there is none; the message lists those that exist.
     """
-    cases = available_cases()
-    return cases[choice("name", name, cases)]
+    problems = available_problems()
+    return problems[choice("name", name, problems)]

@@ -1,0 +1,122 @@
+"""A comparison that has been asked for, checked before anything is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TypeAlias
+
+from uqfold.checks import instance, keep, listed, mapping, or_none, refused, text, whole
+from uqfold.evaluation import Evaluator
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+    checked_problem,
+)
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.registry import available, named
+from uqfold.methods.seeding import LARGEST_SEED, RandomSource, reduced_seed
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criteria
+
+MethodLike: TypeAlias = str | ReliabilityMethod
+Methods: TypeAlias = MethodLike | Iterable[MethodLike] | Mapping[str, MethodLike] | None
+
+
+@dataclass(frozen=True)
+class ComparisonPlan:
+    """A checked question: nothing in it can be refused any more, and nothing has been run.
+
+    Attributes
+    ----------
+    problem
+        What may fail.
+    methods
+        Label -> method, in the order in which they run.
+    criteria
+        The grid that every method answers.
+    max_evals
+        Most runs that each method may spend, or None.
+    seed
+        Seed that every method gets.
+    evaluator
+        How model runs are made.
+    """
+
+    problem: Problem
+    methods: Mapping[str, ReliabilityMethod]
+    criteria: Criteria
+    max_evals: int | None = None
+    seed: int = 0
+    evaluator: Evaluator = field(default_factory=Evaluator)
+
+    def __post_init__(self) -> None:
+        keep(self, "problem", instance, Problem, "give a Problem")
+        keep(self, "methods", instance, (Mapping,), "give a dict of label -> method")
+        for label, method in self.methods.items():
+            text("a label of methods", label)
+            instance(f"methods[{label!r}]", method, (ReliabilityMethod,), "give a method")
+        keep(self, "criteria", instance, Criteria, "give criteria(...)")
+        keep(self, "max_evals", or_none, whole, at_least=1)
+        keep(self, "seed", whole, at_least=0, at_most=LARGEST_SEED)
+        keep(self, "evaluator", instance, Evaluator, "give uqfold.Evaluator(...)")
+
+
+def plan_comparison(
+    problem: Problem,
+    methods: Methods = None,
+    criteria: CriteriaLike = None,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = 0,
+    evaluator: Evaluator | None = None,
+) -> ComparisonPlan:
+    """Check the arguments of a comparison, without running anything; see `compare` for them."""
+    checked_problem(problem)
+    return ComparisonPlan(
+        problem=problem,
+        methods=MappingProxyType(_labelled(methods)),
+        criteria=checked_criteria(problem, criteria),
+        max_evals=checked_budget(max_evals),
+        seed=reduced_seed(rng),
+        evaluator=checked_evaluator(evaluator),
+    )
+
+
+def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
+    if methods is None:
+        return {name: method() for name, method in available().items()}
+    if isinstance(methods, Mapping):
+        labelled = mapping("methods", methods, _built)
+        if not all(label.strip() for label in labelled):
+            raise refused("methods", list(labelled), "give labels that are not empty")
+    else:
+        one = isinstance(methods, str | ReliabilityMethod)
+        given = (methods,) if one else listed("methods", methods, what="list of methods")
+        labelled = {}
+        for i, item in enumerate(given):
+            method = _built("methods" if one else f"methods[{i}]", item)
+            if method.name in labelled:
+                raise ValueError(
+                    f"methods: two are labelled {method.name!r}, give a dict of label -> method"
+                )
+            labelled[method.name] = method
+    if not labelled:
+        raise refused("methods", methods, f"choose from {', '.join(available())}")
+    return labelled
+
+
+def _built(name: str, method: MethodLike) -> ReliabilityMethod:
+    if isinstance(method, str):
+        return named(name, method)
+    if isinstance(method, type) and issubclass(method, ReliabilityMethod):
+        raise refused(
+            name, method, f"it is a class, give an instance: {method.__name__}()", TypeError
+        )
+    checked: ReliabilityMethod = instance(
+        name, method, (ReliabilityMethod,), "give a name or a ReliabilityMethod"
+    )
+    return checked
