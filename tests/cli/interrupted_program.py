@@ -5,7 +5,7 @@ import sys
 
 from uqfold.cli import app
 
-named_case = app.named_case
+named_problem = app.named_problem
 
 
 def with_waiting_methods(name: str) -> object:
@@ -14,11 +14,11 @@ def with_waiting_methods(name: str) -> object:
 
     for method in ("Quick", "Endless", "Swallowing"):
         registry._BUILT_IN[method.lower()] = f"tests.comparison.fakes:{method}"
-    return named_case(name)
+    return named_problem(name)
 
 
 if __name__ == "__main__":
     # a program started in the background may have inherited that Ctrl-C is ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    app.named_case = with_waiting_methods
+    app.named_problem = with_waiting_methods
     app.main(sys.argv[1:])

@@ -33,7 +33,7 @@ def test_a_store_serves_the_second_run(tmp_path: Path) -> None:
     frames = []
     for reused in (0, 20_000):
         assert run(*words, "--out", "r") == 0
-        frames.append(read_records(tmp_path / "r").to_frame())
+        frames.append(read_records(tmp_path / "r"))
         assert frames[-1]["n_evals"].tolist() == [20_000]
         assert frames[-1]["n_reused"].tolist() == [reused]
     assert frames[0]["pf"].tolist() == frames[1]["pf"].tolist()
@@ -52,7 +52,7 @@ def test_the_wall_clock_limit_holds_for_each_method(tmp_path: Path) -> None:
     started = time.monotonic()
     assert run(*words, "--out", "r") == 0
     assert time.monotonic() - started < 30.0
-    [row] = read_records(tmp_path / "r").rows
+    [row] = read_records(tmp_path / "r").to_dict("records")
     assert row["status"] == "budget_exhausted"
     assert "the wall-clock limit of 1 s is over" in row["message"]
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.comparison.fakes import toy_records
+from tests.comparison.fakes import toy_frame
 from uqfold.cli import main
 from uqfold.comparison import write_records
 
@@ -12,7 +12,7 @@ from uqfold.comparison import write_records
 @pytest.fixture
 def run_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    write_records(toy_records(), tmp_path / "run")
+    write_records(toy_frame(), tmp_path / "run")
     return Path("run")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.comparison.fakes import toy_records
+from tests.comparison.fakes import toy_frame
 from uqfold.cli import main
 from uqfold.comparison import write_records
 
@@ -123,7 +123,7 @@ def test_a_disk_that_fills_up_on_the_way_is_told_and_the_table_shown(
 def test_a_report_that_cannot_be_written_is_told(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, out: str, message: str
 ) -> None:
-    write_records(toy_records(), tmp_path)
+    write_records(toy_frame(), tmp_path)
     (tmp_path / "folder.html").mkdir()
     assert message in refused(capsys, f"report {tmp_path} --out {out} --format html")
 

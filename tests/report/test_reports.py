@@ -103,7 +103,7 @@ def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
 
 
 def test_folder_records_and_frame_give_one_report(records: Records, tmp_path: Path) -> None:
-    write_records(records, tmp_path)
+    write_records(records.to_frame(), tmp_path)
     from_folder = page_html(report_page(tmp_path))
     assert from_folder == page_html(report_page(records))
     assert from_folder == page_html(report_page(records.to_frame()))
@@ -130,7 +130,7 @@ def spoiled(value: Any) -> Any:
 def test_records_full_of_markup_give_a_report_full_of_text(
     records: Records, tmp_path: Path
 ) -> None:
-    _, path = write_records(records, tmp_path)
+    _, path = write_records(records.to_frame(), tmp_path)
     document = json.loads(path.read_text(encoding="utf-8"))
     columns = document["columns"]
     # whoever makes up a record can leave its digest out
@@ -158,7 +158,7 @@ def test_nothing_that_records_name_is_imported(records: Records, tmp_path: Path)
         for entry in header.methods
     )
     rows = tuple({**row, "method": "antigravity"} for row in records.rows)
-    write_records(Records(replace(header, methods=named), rows), tmp_path)
+    write_records(Records(replace(header, methods=named), rows).to_frame(), tmp_path)
     code = (
         "import sys, uqfold.report\n"
         f"uqfold.report.write_report({str(tmp_path)!r}, {str(tmp_path / 'r.html')!r})\n"

@@ -6,6 +6,7 @@ from uqfold.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from uqfold.comparison.benchmark import benchmark_summary
+    from uqfold.comparison.entries import Records, records_from_frame
     from uqfold.comparison.frames import checked_frame, comparison_header
     from uqfold.comparison.header import criteria_of
     from uqfold.comparison.named_problems import NamedProblem, available_problems, named_problem
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ComparisonPlan",
     "NamedProblem",
+    "Records",
     "RecordsError",
     "available_problems",
     "benchmark_summary",
@@ -26,6 +28,7 @@ __all__ = [
     "named_problem",
     "plan_comparison",
     "read_records",
+    "records_from_frame",
     "run_comparison",
     "write_records",
 ]
@@ -36,6 +39,8 @@ __getattr__, __dir__ = lazy_exports(
     {
         "ComparisonPlan": "uqfold.comparison.plan",
         "NamedProblem": "uqfold.comparison.named_problems",
+        "Records": "uqfold.comparison.entries",
+        "records_from_frame": "uqfold.comparison.entries",
         "RecordsError": "uqfold.comparison.records",
         "available_problems": "uqfold.comparison.named_problems",
         "benchmark_summary": "uqfold.comparison.benchmark",

@@ -75,7 +75,7 @@ def checked(value: Any, form: Any, where: str) -> Any:
     if form is None:
         return None
     if isinstance(form, list):
-        if not isinstance(value, list):
+        if not isinstance(value, list | tuple):
             raise TypeError(f"{where} = {shown(value)} is not a list")
         return [checked(one, form[0], where) for one in value]
     if isinstance(form, dict):

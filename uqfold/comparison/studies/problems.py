@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from uqfold.comparison.cases import available_cases
+from uqfold.comparison.named_problems import available_problems
 from uqfold.comparison.studies.document import Place, nearest
 from uqfold.comparison.studies.keys import COUNT, FLAG, MAPPING, TEXT, Key, read_table
 from uqfold.problems.base import Problem
@@ -127,7 +127,7 @@ class ProblemSpec:
 
     def _function(self) -> Any:
         if self.is_ours:
-            return available_cases()[self.settings["case"]].function()
+            return available_problems()[self.settings["case"]].function()
         file, attribute = self._file(), self.settings["function"].partition(":")[2]
         place = self.place.at("function")
         # a name of its own: studies may all call their files alike, and a file may change
@@ -169,8 +169,10 @@ def read_problem(name: str, content: Any, place: Place, folder: Path) -> Problem
         raise place.error("give either case or function")
     spec = ProblemSpec(name, settings, folder, place)
     if case is not None:
-        if case not in available_cases():
-            raise place.at("case").error(f"{case!r} is no case; {nearest(case, available_cases())}")
+        if case not in available_problems():
+            raise place.at("case").error(
+                f"{case!r} is no case; {nearest(case, available_problems())}"
+            )
         spec.build()
         return spec
     module, colon, attribute = function.partition(":")
