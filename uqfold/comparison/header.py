@@ -11,7 +11,7 @@ from dataclasses import asdict
 from functools import cache
 from typing import Any
 
-from uqfold.checks import instance
+from uqfold.checks import instance, refused
 from uqfold.comparison.encoding import checked, encoded
 from uqfold.comparison.plan import ComparisonPlan
 from uqfold.problems.base import Problem
@@ -162,7 +162,10 @@ def bare_header(problem: str, methods: Mapping[str, str], seed: int) -> dict[str
 
 def criteria_of(header: Mapping[str, Any]) -> Criteria:
     """Return the criteria that every method was to answer, from the header of a comparison."""
-    instance("header", header, (Mapping,), "give what comparison_header returned")
+    remedy = "give what comparison_header returned"
+    instance("header", header, (Mapping,), remedy)
+    if "criteria" not in header:
+        raise refused("header", header, remedy)
     return Criteria(decoded_criterion(one) for one in header["criteria"])
 
 
