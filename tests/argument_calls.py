@@ -30,8 +30,8 @@ from uqfold import (
     testing,
     validation,
 )
-from uqfold.validation.record import write_case_record
 from uqfold.comparison.entries import records_from_frame
+from uqfold.validation.record import write_case_record
 
 WRONG: dict[str, Any] = {
     "true": True,
