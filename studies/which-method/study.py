@@ -58,7 +58,7 @@ SURROGATES = {
     "kriging": methods.Kriging(runs=1125),
     "pce": methods.PolynomialChaos(runs=1125),
 }
-ACTIVE = {"ak-mcs": methods.ActiveKriging()}
+ACTIVE = {"active-kriging": methods.ActiveKriging()}
 METHODS = {**SIMPLE, **SURROGATES, **ACTIVE}
 FEW = {label: SIMPLE[label] for label in ("mc", "ffni-spa", "ffni-pearson")}
 PCE = {"pce": SURROGATES["pce"]}

@@ -230,3 +230,11 @@ def test_progress_is_reported_per_batch() -> None:
     evaluator = Evaluator(batch_rows=1000, progress=lambda n, expected: seen.append((n, expected)))
     MonteCarlo(systems=1000).estimate(SYSTEM.problem(), criteria(11.0), rng=1, evaluator=evaluator)
     assert seen == [(1000, 3000), (2000, 3000), (3000, 3000)]
+
+
+def test_the_former_name_of_active_kriging_is_understood_with_a_warning() -> None:
+    """``ak-mcs`` did no crude Monte Carlo: it is ``active-kriging`` now, for one release both."""
+    assert "ak-mcs" not in available()
+    assert build("active-kriging").name == "active-kriging"
+    with pytest.warns(FutureWarning, match="'ak-mcs' is called 'active-kriging' now"):
+        assert build("ak-mcs") == build("active-kriging")

@@ -7,15 +7,15 @@ from uqfold.testing import CHECKS, check_method
 
 METHODS = available()
 # thirty surfaces each
-SLOW = {(name, "stated_errors_are_honest") for name in ("kriging", "pce", "ak-mcs")}
+SLOW = {(name, "stated_errors_are_honest") for name in ("kriging", "pce", "active-kriging")}
 LIGHT: dict[str, ReliabilityMethod] = {
     "kriging": Kriging(runs=60, kernel="gaussian", trend="linear"),
-    "ak-mcs": ActiveKriging(runs=60, kernel="gaussian"),
+    "active-kriging": ActiveKriging(runs=60, kernel="gaussian"),
 }
 """Settings that take a third of the time: one surface where the defaults choose among several."""
 FEWER_RUNS: dict[str, ReliabilityMethod] = {
     "kriging": Kriging(runs=40),
-    "ak-mcs": ActiveKriging(runs=40),
+    "active-kriging": ActiveKriging(runs=40),
 }
 """The choices of the defaults, on less than half of their runs."""
 BY_DEFAULTS = {

@@ -151,7 +151,7 @@ def test_what_was_fitted_in_time_is_an_answer(
     monkeypatch.setattr("uqfold.evaluation.deadline.time", SimpleNamespace(monotonic=now))
     monkeypatch.setattr("uqfold.evaluation.deadline.GRACE_SECONDS", 1e6)
     monkeypatch.setattr(GaussianProcess, "leave_one_out", leave_one_out)
-    evaluator = Evaluator(max_seconds=150.0 if method.name == "ak-mcs" else 10.0)
+    evaluator = Evaluator(max_seconds=150.0 if method.name == "active-kriging" else 10.0)
     row = method.estimate(SYSTEM.problem(), Criterion(11.0), rng=1, evaluator=evaluator)[0]
     assert row.status == "budget_exhausted"
     assert "max_seconds" in row.message

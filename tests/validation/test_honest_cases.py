@@ -28,7 +28,7 @@ def test_a_slider_crank_of_unchecked_dimensions_cannot_be_judged() -> None:
 
 
 def test_surfaces_are_asked_of_a_curved_response_and_can_miss_it() -> None:
-    assert set(SURFACES) >= {"kriging", "pce", "ak-mcs"}
+    assert set(SURFACES) >= {"kriging", "pce", "active-kriging"}
     for name in SURFACES:
         for question in coverage.questions(name):
             exact = coverage.exact_pf(name, question)

@@ -136,7 +136,7 @@ class ActiveKriging(SequentialMethod):
         If a setting is out of range.
     """
 
-    name: ClassVar[str] = "ak-mcs"
+    name: ClassVar[str] = "active-kriging"
     title: ClassVar[str] = "active Kriging"
     theory: ClassVar[Theory] = ACTIVE_KRIGING
     bounds_failed_runs: ClassVar[bool] = True

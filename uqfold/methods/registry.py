@@ -17,12 +17,16 @@ _BUILT_IN: dict[str, str] = {
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
     "kriging": "uqfold.methods.kriging:Kriging",
     "pce": "uqfold.methods.polynomial_chaos:PolynomialChaos",
-    "ak-mcs": "uqfold.methods.active_kriging:ActiveKriging",
+    "active-kriging": "uqfold.methods.active_kriging:ActiveKriging",
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
 }
+
+
+_FORMER = {"ak-mcs": "active-kriging"}
+"""Former name -> name; a former one is understood, with a warning, for one release."""
 
 
 def available() -> dict[str, type[ReliabilityMethod]]:
@@ -51,6 +55,10 @@ def build(name: str) -> ReliabilityMethod:
 def named(argument: str, name: object) -> ReliabilityMethod:
     """Build the method that an argument names; raise as `build` does, naming the argument."""
     methods, left_out = _found()
+    if isinstance(name, str) and name in _FORMER:
+        called = _FORMER[name]
+        warnings.warn(f"the method {name!r} is called {called!r} now", FutureWarning, stacklevel=3)
+        name = called
     if isinstance(name, str) and name in left_out and name not in methods:
         raise ValueError(f"the method {name!r} is not available: {left_out[name]}")
     return methods[choice(argument, name, methods)]()

@@ -44,12 +44,14 @@ _FIXED = {
     "ffni-pearson": MethodStyle("#D55E00", "s"),
     "kriging": MethodStyle("#56B4E9", "P"),
     "pce": MethodStyle("#882255", "<"),
-    "ak-mcs": MethodStyle("#7F6A00", "X"),
+    "active-kriging": MethodStyle("#7F6A00", "X"),
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#E69F00", "v"),
 }
+# in records of version 0.1.0
+_FIXED["ak-mcs"] = _FIXED["active-kriging"]
 FURTHER_STYLES = (
     MethodStyle("#5D3A9B", ">"),
     MethodStyle("#117733", "p"),

@@ -272,7 +272,7 @@ def test_a_method_that_chooses_its_runs_is_judged_in_its_errors(
     assert compared(1.0, ["ffni-spa"]) != []
     assert compared(8.0, ["mc"]) != []
     # of ours, one method chooses its runs by what it has seen
-    assert [name for name, method in available().items() if method.adaptive] == ["ak-mcs"]
+    assert [name for name, method in available().items() if method.adaptive] == ["active-kriging"]
     # what depends on no sample has to be the same
     fresh = mc.assign(reference_pf=0.3)
     assert compare_tables(body, fresh, RUN_COLUMNS, RUN_IDENTITY, tolerances, ["mc"]).differences
