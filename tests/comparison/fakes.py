@@ -95,8 +95,8 @@ class Told(ReliabilityMethod):
         return super().supports(problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
-        task.expect(self.n)
-        task.evaluate(task.problem.inputs.sample(task.generator(), self.n))
+        task.session.expect(self.n)
+        task.session.evaluate(task.problem.inputs.sample(task.generator(), self.n))
         return Solution([Estimate((1.0 + self.bias) * truth(one)) for one in task.criteria])
 
 
@@ -120,7 +120,7 @@ class Sampled(ReliabilityMethod):
     n: int = 1000
 
     def _solve(self, task: Task) -> Solution:
-        task.evaluate(task.problem.inputs.sample(task.generator(), self.n))
+        task.session.evaluate(task.problem.inputs.sample(task.generator(), self.n))
         failures = [
             int(task.generator(i + 1).binomial(self.n, truth(one)))
             for i, one in enumerate(task.criteria)

@@ -33,7 +33,7 @@ class Scripted(ReliabilityMethod):
     runs: int = 1
 
     def _solve(self, task: Task) -> Solution:
-        task.evaluate(np.tile(np.arange(float(self.runs))[:, None], 3))
+        task.session.evaluate(np.tile(np.arange(float(self.runs))[:, None], 3))
         return Solution([self.answer] * len(task.criteria), details="found")
 
 
@@ -238,3 +238,26 @@ def test_the_former_name_of_active_kriging_is_understood_with_a_warning() -> Non
     assert build("active-kriging").name == "active-kriging"
     with pytest.warns(FutureWarning, match="'ak-mcs' is called 'active-kriging' now"):
         assert build("ak-mcs") == build("active-kriging")
+
+
+@dataclass(frozen=True)
+class OfTheFormerRelease(ReliabilityMethod):
+    """Asks its task for what the session has."""
+
+    name: ClassVar[str] = "former"
+
+    def _solve(self, task: Task) -> Solution:
+        with pytest.warns(DeprecationWarning, match=r"task.evaluate is task.session.evaluate now"):
+            y = task.evaluate(np.ones((4, 3)))  # type: ignore[attr-defined]
+        with pytest.warns(DeprecationWarning, match=r"task.session.max_evals now"):
+            assert task.max_evals == 9  # type: ignore[attr-defined]
+        with pytest.raises(AttributeError, match="no attribute 'evalute'"):
+            task.evalute(np.ones((1, 3)))  # type: ignore[attr-defined]
+        assert np.isfinite(y).all()
+        return Solution([A_QUARTER] * len(task.criteria))
+
+
+def test_what_a_task_handed_on_is_asked_of_its_session() -> None:
+    """A task is no facade; its former names warn for one release."""
+    row = OfTheFormerRelease().estimate(SYSTEM.problem(), criteria(1.0), max_evals=9, rng=1)[0]
+    assert (row.pf, row.n_evals) == (0.25, 4), row.message

@@ -320,7 +320,7 @@ class IndependentUnits(ReliabilityMethod):
                 continue
             parts = units * criterion.missions
             n = task.session.remaining // parts // len(task.criteria)
-            y = task.evaluate(task.problem.inputs.sample(rng, n * parts)).reshape(n, parts)
+            y = task.session.evaluate(task.problem.inputs.sample(rng, n * parts)).reshape(n, parts)
             pf = float((y.max(axis=1) > criterion.threshold).mean())
             error = float(np.sqrt(pf * (1 - pf) / n))
             estimates.append(

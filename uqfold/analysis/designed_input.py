@@ -19,8 +19,8 @@ from uqfold.analysis.fitted_surface import fit_surface
 from uqfold.checks import choice, instance, or_none, refused, whole
 from uqfold.evaluation import Evaluator
 from uqfold.inputs.score import Moment
-from uqfold.methods.arguments import checked_budget, checked_method, checked_problem
-from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.arguments import checked_budget, checked_problem
+from uqfold.methods.base import ReliabilityMethod, checked_method
 from uqfold.methods.kriging import Kriging
 from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import CriterionResult

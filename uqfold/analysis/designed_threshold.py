@@ -10,8 +10,8 @@ import numpy as np
 from uqfold.analysis.design import MOST_POINTS, Design, Scan, checked_target, located
 from uqfold.checks import listed, refused, whole
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import checked_method, checked_problem
-from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.arguments import checked_problem
+from uqfold.methods.base import ReliabilityMethod, checked_method
 from uqfold.methods.kriging import Kriging
 from uqfold.methods.result import CriterionResult
 from uqfold.methods.seeding import RandomSource

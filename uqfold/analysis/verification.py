@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias
 from uqfold.analysis.design import Design
 from uqfold.checks import instance, listed, or_none, real, refused
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_method
-from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.arguments import checked_budget, checked_evaluator
+from uqfold.methods.base import ReliabilityMethod, checked_method
 from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.result import NO_ANSWER, CriterionResult
 from uqfold.methods.seeding import RandomSource, reduced_seed

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from uqfold.checks import instance, or_none, whole
 from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
-
-if TYPE_CHECKING:
-    from uqfold.methods.base import ReliabilityMethod
 
 CriteriaLike: TypeAlias = Criteria | Criterion | Iterable[Criterion] | None
 
@@ -25,23 +22,6 @@ def checked_problem(problem: Problem) -> Problem:
         If it is not a `Problem`.
     """
     return instance("problem", problem, Problem, "give a Problem")
-
-
-def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None:
-    """Return the method, or None.
-
-    Raises
-    ------
-    TypeError
-        If it is not a `ReliabilityMethod`, for example the class instead of a method built from it.
-    """
-    from uqfold.methods.base import ReliabilityMethod
-
-    wanted = "give a method such as uqfold.methods.Kriging()"
-    checked: ReliabilityMethod | None = or_none(
-        "method", method, instance, (ReliabilityMethod,), wanted
-    )
-    return checked
 
 
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:

@@ -1,4 +1,4 @@
-"""Methods that run the model in steps, and the session through which a caller runs it himself.
+"""Methods that ask for evaluations step by step, and let a caller make them himself.
 
 The hook of such a method is a generator that yields rows X and receives their responses y. Driven
 by `estimate` it calls the model; driven by an `AskTellSession` it waits for whoever runs the model
@@ -7,49 +7,28 @@ elsewhere: a cluster, a test bench, another program. Both give the same answer.
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
 from os import PathLike
 from typing import final
 
 from uqfold.checks import path as checked_path
-from uqfold.evaluation import Evaluator, TimeLimitError
+from uqfold.evaluation import Evaluator
 from uqfold.methods import session_file
 from uqfold.methods.arguments import CriteriaLike, checked_criteria, checked_problem
-from uqfold.methods.ask_tell_session import AskTellSession, Steps, returned_by
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.ask_tell_session import AskTellSession
 from uqfold.methods.seeding import RandomSource
+from uqfold.methods.steps import SteppedMethod, Steps
 from uqfold.problems.base import Problem
 
 __all__ = ["AskTellSession", "SequentialMethod", "Steps"]
 
 
 @dataclass(frozen=True)
-class SequentialMethod(ReliabilityMethod):
-    """A method that asks for model runs step by step; its hook is the generator `_steps`.
+class SequentialMethod(SteppedMethod):
+    """A method that asks for evaluations step by step, here or outside.
 
-    When the wall-clock limit of the evaluator is over, `TimeLimitError` is raised at the ``yield``.
+    A subclass fills in the generator `_steps`; see `SteppedMethod`.
     """
-
-    @abstractmethod
-    def _steps(self, task: Task) -> Steps:
-        """Answer the criteria of `task`: yield rows to run, receive their responses."""
-
-    @final
-    def _solve(self, task: Task) -> Solution:
-        steps = self._steps(task)
-        try:
-            x = next(steps)
-            while True:
-                try:
-                    y = task.evaluate(x)
-                except TimeLimitError as error:
-                    # a method may conclude from the runs that it has
-                    x = steps.throw(error)
-                else:
-                    x = steps.send(y)
-        except StopIteration as stop:
-            return returned_by(stop)
 
     @final
     def start(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,15 +19,10 @@ from uqfold.methods.arguments import CriteriaLike, checked_evaluator
 from uqfold.methods.base import OpenRun, Solution
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
+from uqfold.methods.steps import SteppedMethod
 from uqfold.problems.base import Problem
 from uqfold.problems.responses import ResponseError, numbers_in
 from uqfold.typing import FloatArray
-
-if TYPE_CHECKING:
-    from uqfold.methods.ask_tell import SequentialMethod
-
-Steps: TypeAlias = Generator[FloatArray, FloatArray, Solution]
-"""Yields rows X (n, d), is sent their responses y (n,), returns the solution."""
 
 
 @dataclass
@@ -60,16 +54,14 @@ class AskTellSession:
 
     def __init__(
         self,
-        method: SequentialMethod,
+        method: SteppedMethod,
         problem: Problem,
         criteria: CriteriaLike,
         max_evals: int | None,
         rng: RandomSource,
         evaluator: Evaluator | None,
     ) -> None:
-        from uqfold.methods.ask_tell import SequentialMethod
-
-        instance("method", method, (SequentialMethod,), "give a method such as Kriging()")
+        instance("method", method, (SteppedMethod,), "give a method such as Kriging()")
         self._method = method
         self._told = _ToldModel()
         settings = checked_evaluator(evaluator)
@@ -253,7 +245,7 @@ class AskTellSession:
                 x = next(self._steps) if responses is None else self._steps.send(responses)
             self._asked = task.session.admit(x) + 0.0
         except StopIteration as stop:
-            found = returned_by(stop)
+            found: Solution = stop.value
             self._solution = self._method._guarded(task, lambda: found)
         except Exception as error:
             self._end(error)
@@ -287,9 +279,3 @@ def _is_complex(y: object) -> bool:
     if isinstance(y, list | tuple):
         return any(_is_complex(one) for one in y)
     return isinstance(y, complex) or getattr(y, "dtype", np.dtype(float)).kind == "c"
-
-
-def returned_by(stop: StopIteration) -> Solution:
-    """Give what a generator returned."""
-    solution: Solution = stop.value
-    return solution

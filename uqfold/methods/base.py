@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, final
 
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
-from uqfold.checks import instance, keep, several
+from uqfold.checks import instance, keep, or_none, several
 from uqfold.evaluation import (
     BudgetExceededError,
     EngineError,
@@ -46,7 +47,7 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
 from uqfold.time_limit import time_checked_by
-from uqfold.typing import FloatArray, Model
+from uqfold.typing import Model
 
 T = TypeVar("T")
 
@@ -58,40 +59,19 @@ class Task:
     Attributes
     ----------
     problem
-        The problem; its model is not to be called, `evaluate` is.
+        The problem; its model is not to be called, `session.evaluate` is.
     criteria
         The criteria that the method supports, in order.
     seed
         Recorded seed of this run.
     session
-        The counted access to the model.
+        The counted access to the model, with the budget, the time and the progress display.
     """
 
     problem: Problem
     criteria: tuple[Criterion, ...]
     seed: int
     session: EvaluationSession
-
-    def evaluate(self, x: FloatArray) -> FloatArray:
-        """Run the model on every row of X (n, d); see `EvaluationSession.evaluate`."""
-        return self.session.evaluate(x)
-
-    @property
-    def max_evals(self) -> int | None:
-        """The budget, or None."""
-        return self.session.max_evals
-
-    def expect(self, n_evals: int) -> None:
-        """Tell the progress display how many runs this task will need in all."""
-        budget = self.session.max_evals
-        self.session.expected = n_evals if budget is None else min(n_evals, budget)
-
-    def check_time(self) -> None:
-        """Raise `TimeLimitError` if the time is over; see `EvaluationSession.check_time`.
-
-        What does not know the task calls `uqfold.time_limit.check_time`, which does the same.
-        """
-        self.session.check_time()
 
     def summed_up(self, work: Callable[[str], T]) -> T:
         """Do work that makes an answer of the runs there are, also when the time ends meanwhile.
@@ -114,8 +94,18 @@ class Task:
             return work(str(error))
 
     def generator(self, block: int = 0) -> np.random.Generator:
-        """Give the random generator of one block of work."""
+        """Return the random generator of one block of work."""
         return block_generator(self.seed, block)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return what has moved to the session; these names go with the next release."""
+            if name not in {"evaluate", "max_evals", "expect", "check_time"}:
+                raise AttributeError(f"a Task has no attribute {name!r}", name=name, obj=self)
+            moved = f"task.{name} is task.session.{name} now"
+            warnings.warn(moved, DeprecationWarning, stacklevel=2)
+            return getattr(self.session, name)
 
 
 @dataclass(frozen=True)
@@ -190,7 +180,7 @@ class ReliabilityMethod(ABC):
 
     @abstractmethod
     def _solve(self, task: Task) -> Solution:
-        """Answer the criteria of `task`, calling the model only through `task.evaluate`."""
+        """Answer the criteria of `task`, calling the model only through `task.session.evaluate`."""
 
     @final
     def estimate(
@@ -355,3 +345,15 @@ def attempt(answer: Callable[[], Estimate]) -> Estimate:
         return Estimate.without_answer("failed", f"out of budget before an answer: {error}")
     except Exception as error:
         return Estimate.without_answer("failed", f"{type(error).__name__}: {error}")
+
+
+def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None:
+    """Return the method, or None.
+
+    Raises
+    ------
+    TypeError
+        If it is not a `ReliabilityMethod`, for example the class instead of a method built from it.
+    """
+    wanted = "give a method such as uqfold.methods.Kriging()"
+    return or_none("method", method, instance, (ReliabilityMethod,), wanted)

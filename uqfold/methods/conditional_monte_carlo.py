@@ -110,15 +110,15 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         wanted = self.blocks
         if wanted is None:
             most = min(WITHOUT_A_BUDGET, max(2, RUNS_WITHOUT_A_BUDGET // per_block))
-            wanted = most if task.max_evals is None else int(affordable)
+            wanted = most if task.session.max_evals is None else int(affordable)
         planned = int(min(wanted, affordable))
         if planned < 2:
             message = (
                 f"two blocks, the fewest with a standard error, cost {2 * per_block} runs, "
-                f"max_evals = {task.max_evals}: lower missions_per_draw or raise the budget"
+                f"max_evals = {task.session.max_evals}: lower missions_per_draw or raise the budget"
             )
             return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
-        task.expect(planned * per_block)
+        task.session.expect(planned * per_block)
         sums = ConditionalSums(task, missions)
         arrangements: deque[IntArray] = deque()
 
@@ -154,7 +154,7 @@ def _draw(task: Task, missions: int, block: int) -> tuple[FloatArray, IntArray]:
     """Draw one block: inputs (rows, d), and arrangements (ARRANGEMENTS, K) of K responses."""
     from scipy.special import ndtri
 
-    task.check_time()
+    task.session.check_time()
     inputs, rng = task.problem.inputs, task.generator(block)
     per_draw = missions * task.problem.n_units
     strata = np.empty((BLOCK_DRAWS, inputs.n_shared))

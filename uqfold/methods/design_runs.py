@@ -100,12 +100,12 @@ def affordable_runs(task: Task, asked: int, least: int) -> int:
     """
     allowed = min(asked, task.session.remaining)
     if allowed < least:
-        limit = f"max_evals = {task.max_evals}" if asked >= least else f"runs = {asked}"
+        limit = f"max_evals = {task.session.max_evals}" if asked >= least else f"runs = {asked}"
         raise BudgetExceededError(
             f"{limit}, but a surface over {task.problem.inputs.dimension} inputs needs at least "
             f"{least} runs: raise it"
         )
-    task.expect(allowed)
+    task.session.expect(allowed)
     return allowed
 
 

@@ -226,11 +226,13 @@ def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> Factorial
     most = MAX_NUMBERS // task.problem.inputs.dimension
     if size > min(task.session.remaining, most):
         limit = (
-            f"at most {most} fit into memory" if size > most else f"max_evals = {task.max_evals}"
+            f"at most {most} fit into memory"
+            if size > most
+            else f"max_evals = {task.session.max_evals}"
         )
         raise BudgetExceededError(
             f"the design has {size} nodes, {limit}: lower nodes_shared = {shared} or "
             f"nodes_individual = {individual}, or raise the budget"
         )
-    task.expect(size)
+    task.session.expect(size)
     return factorial_design(task.problem.inputs, shared, individual)

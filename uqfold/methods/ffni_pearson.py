@@ -89,7 +89,7 @@ class FFNIPearson(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        y = task.evaluate(design.x)
+        y = task.session.evaluate(design.x)
         responses, details = task.summed_up(lambda _: conditional_responses(design, y, self._fit))
         doubts = []
         if self.family == "pearson":

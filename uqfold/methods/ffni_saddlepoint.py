@@ -79,7 +79,7 @@ class FFNISaddlepoint(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        y = task.evaluate(design.x)
+        y = task.session.evaluate(design.x)
         responses, details = task.summed_up(
             lambda _: conditional_responses(design, y, SaddlepointDistribution)
         )

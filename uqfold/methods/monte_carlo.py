@@ -111,37 +111,38 @@ class MonteCarlo(ReliabilityMethod):
         return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
+        session = task.session
         missions = max(c.max_missions for c in task.criteria)
         per_system = task.problem.n_units * missions
-        affordable = task.session.remaining // per_system
+        affordable = session.remaining // per_system
         wanted = self.systems
         if wanted is None:
             most = min(WITHOUT_A_BUDGET, max(1, RUNS_WITHOUT_A_BUDGET // per_system))
-            wanted = most if task.max_evals is None else affordable
+            wanted = most if session.max_evals is None else affordable
         planned = min(wanted, affordable)
         if planned == 0:
             message = (
-                f"one system costs {per_system} runs, max_evals = {task.max_evals} allows none"
+                f"one system costs {per_system} runs, max_evals = {session.max_evals} allows none"
             )
             return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
-        task.expect(planned * per_system)
+        session.expect(planned * per_system)
         counts = _Counts(len(task.criteria))
         drawn: deque[SystemBlock] = deque()
 
         def rows() -> Iterator[FloatArray]:
             most_at_once = block_systems(task.problem, task.criteria)
             for block, start in enumerate(range(0, planned, most_at_once)):
-                task.check_time()
+                session.check_time()
                 size = min(most_at_once, planned - start)
                 drawn.append(draw_systems(task.problem, task.criteria, task.generator(block), size))
                 yield drawn[-1].x
 
         missing, stopped = wanted - planned, ""
         try:
-            for y in task.session.stream(rows()):
+            for y in session.stream(rows()):
                 counts.add(*drawn.popleft().counts(y))
-                if task.session.watched:
-                    task.session.report(_running(task, counts))
+                if session.watched:
+                    session.report(_running(task, counts))
                 if self.target_cov is not None and counts.worst_cov() <= self.target_cov:
                     missing = 0
                     break

@@ -116,7 +116,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         events = [SystemEvent(task.problem, criterion) for criterion in task.criteria]
-        task.expect(sum(self.max_samples * event.max_evals_per_sample for event in events))
+        task.session.expect(sum(self.max_samples * event.max_evals_per_sample for event in events))
         runs: list[SimulationRun] = []
 
         def answer(event: SystemEvent, criteria_left: int) -> Estimate:
@@ -174,7 +174,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
             try:
                 reclaim_interrupt()
                 with stream.put_aside():
-                    low, high = event.margin_bounds(np.array(u), task.evaluate)
+                    low, high = event.margin_bounds(np.array(u), task.session.evaluate)
             except BaseException as error:
                 # OpenTURNS turns it into a RuntimeError of its own
                 raised.append(error)

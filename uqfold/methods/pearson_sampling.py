@@ -88,7 +88,7 @@ def sampled_failure(
             size = min(chunk, rows - drawn)
             turn = np.empty_like(sums)
             for k, (response, rng) in enumerate(zip(responses, streams, strict=True)):
-                task.check_time()
+                task.session.check_time()
                 y = _sample(response, rng, (size, missions, task.problem.n_units))
                 turn[:, k] = _sums(task, y)
             sums += turn
@@ -154,7 +154,7 @@ def _sums(task: Task, y: FloatArray) -> FloatArray:
                 if k < shares.shape[1] and shares[0, k] > 0.0
             ]
             if concerned:
-                task.check_time()
+                task.session.check_time()
                 failing = _above(late[:, k], thresholds)
                 for share, some in concerned:
                     sums[:, some] += share[:, None] * failing[some]
