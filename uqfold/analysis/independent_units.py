@@ -19,6 +19,7 @@ import numpy as np
 from uqfold.checks import or_none, several, whole
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
+from uqfold.methods.base import checked_method
     CriteriaLike,
     checked_criteria,
     checked_evaluator,
