@@ -19,14 +19,12 @@ import numpy as np
 from uqfold.checks import or_none, several, whole
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
-from uqfold.methods.base import checked_method
     CriteriaLike,
     checked_criteria,
     checked_evaluator,
-    checked_method,
     checked_problem,
 )
-from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.base import ReliabilityMethod, checked_method
 from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
