@@ -166,7 +166,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
     "comparison.Records", "comparison.records_from_frame", "evaluation.EvaluationSession",
     "evaluation.RunningEstimate", "inputs.JointInputs",
-    "mechanism.BaumgarteTrajectory", "mechanism.Trajectory", "methods.CriterionResult",
+    "mechanism.Trajectory", "methods.CriterionResult",
     "methods.Task", "ReliabilityResult", "validation.CaseRecord", "validation.Work",
     # the package's own side of store, executors and sessions
     "analysis.Scan.of",
@@ -591,15 +591,6 @@ def calls(folder: Path) -> dict[str, Call]:
             {"k_d": any_number(550.0), "contact_law": choice("gonthier"), "t_max": number(0.5)},
         ),
         "mechanism.WingParameters.replace": Call(wing.replace, {"C_e": Kind(0.5, np.float64(0.5))}),
-        "mechanism.baumgarte_trajectory": Call(
-            mechanism.baumgarte_trajectory,
-            {
-                "parameters": thing(wing),
-                "alpha": number().also("zero"),
-                "beta": number().also("zero"),
-                "tolerance": Kind(1e-6, np.float64(1e-6)),
-            },
-        ),
         "mechanism.deployment_times": Call(
             mechanism.deployment_times,
             {

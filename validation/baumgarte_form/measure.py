@@ -11,10 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 from uqfold.mechanism import WingParameters
-from uqfold.mechanism.baumgarte import BaumgarteTrajectory, baumgarte_trajectory
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.against_exudyn.measure import SETS, uqfold_time
 from validation.against_scipy.measure import AGREEMENT
+from validation.mechanism.baumgarte import Motion, baumgarte_motion
 from validation.mechanism.faulty import late_onset
 from validation.mechanism.parameter_sets import parameter_sets
 
@@ -24,18 +24,13 @@ COEFFICIENTS = ((0.0, 0.0), (5.0, 5.0), (50.0, 50.0), (500.0, 500.0), (20.0, 200
 DRIFT = 1e-9
 """Largest violation of a constraint (m, rad)."""
 
-Motion = Callable[[WingParameters, float, float], BaumgarteTrajectory]
-
-
-def motion(wing: WingParameters, alpha: float, beta: float) -> BaumgarteTrajectory:
-    """Move the wing in the paper's form."""
-    return baumgarte_trajectory(wing, alpha=alpha, beta=beta, tolerance=1e-11)
+Move = Callable[[WingParameters, float, float], Motion]
 
 
 def compare(
     names: Sequence[str],
     time: Callable[[WingParameters], float] = uqfold_time,
-    move: Motion = motion,
+    move: Move = baumgarte_motion,
     coefficients: Sequence[tuple[float, float]] = COEFFICIENTS,
 ) -> list[dict[str, Any]]:
     """One row per parameter set and pair of coefficients."""
@@ -84,17 +79,17 @@ def _late_onset(wing: WingParameters) -> float:
     return uqfold_time(late_onset(wing))
 
 
-def _drifting(wing: WingParameters, alpha: float, beta: float) -> BaumgarteTrajectory:
-    m = motion(wing, alpha, beta)
+def _drifting(wing: WingParameters, alpha: float, beta: float) -> Motion:
+    m = baumgarte_motion(wing, alpha, beta)
     return replace(m, position_drift=m.position_drift + 1e-8)
 
 
 def measure(work: Work) -> Measurement:
-    """Compare the means of Table 6 with three pairs in the quick tier, everything otherwise."""
-    quick = work.tier == "quick"
-    names = ("table 6",) if quick else SETS
+    """Compare the means of Table 6, three sets or all of them, with three pairs or all."""
+    names = work.pick(("table 6",), SETS[:3], SETS)
+    coefficients = COEFFICIENTS if work.tier == "full" else COEFFICIENTS[::2]
     time = _late_onset if work.fault == "late onset" else uqfold_time
-    move = _drifting if work.fault == "drift" else motion
-    rows = compare(names, time, move, COEFFICIENTS[::2] if quick else COEFFICIENTS)
+    move = _drifting if work.fault == "drift" else baumgarte_motion
+    rows = compare(names, time, move, coefficients)
     table = Table.of("Deployment times of both forms, and drift of the constraints", rows)
     return Measurement(judge(rows), [table])

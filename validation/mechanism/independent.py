@@ -34,6 +34,9 @@ def ramp(x: float, start: float, end: float) -> float:
 class Wing:
     """Masses, joints and loads of one parameter record, or of anything with its fields."""
 
+    slider = 4
+    """Place of the slider's position among the coordinates."""
+
     def __init__(self, p: Any) -> None:
         self.p = p
         m_1 = p.rho_1 * p.l_1 * p.w_1 * p.b_1
@@ -132,14 +135,35 @@ class Wing:
 def deployment_time(
     p: Any, rtol: float = 1e-9, atol: float = 1e-11, max_step: float = 1e-4
 ) -> float:
-    """Time of the lock by SciPy, restarted wherever a contact begins or ends or the drive bends."""
-    wing = Wing(p)
+    """Return the time of the lock (s) by SciPy, +inf without one until `t_max`."""
+    return follow(Wing(p), rtol, atol, max_step)[2]
+
+
+def follow(
+    wing: Any, rtol: float = 1e-9, atol: float = 1e-11, max_step: float = 1e-4
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Follow a wing by SciPy, restarted wherever a contact begins or ends or the drive bends.
+
+    Parameters
+    ----------
+    wing
+        A `Wing`, or what has its `p`, `start`, `rates`, `penetration` and `slider`.
+    rtol, atol, max_step
+        As in `scipy.integrate.solve_ivp`; `max_step` (s) holds while a joint is in contact.
+
+    Returns
+    -------
+    tuple
+        Times (n,) in s, states (n, d), and the time of the lock (s), +inf without one.
+    """
+    p = wing.p
     y = wing.start()
     t = 0.0
+    times, states = [t], [y]
     onset: list[float | None] = [None, None]
 
     def lock(_: float, y: np.ndarray) -> float:
-        return float(y[4] - p.x_lock)
+        return float(y[wing.slider] - p.x_lock)
 
     def switch_of(which: int) -> Any:
         def switch(_: float, y: np.ndarray) -> float:
@@ -166,11 +190,13 @@ def deployment_time(
             events=events,
             max_step=max_step if any(onset) else 1e-3,
         )
-        t, y = run.t[-1], run.y[:, -1]
+        t, y = float(run.t[-1]), run.y[:, -1]
+        times.extend(run.t[1:])
+        states.extend(run.y.T[1:])
         if len(run.t_events[0]):
-            return float(t)
+            return np.array(times), np.array(states), t
         for which in (0, 1):
             if len(run.t_events[1 + which]):
                 speed = max(wing.penetration(y.tolist(), which)[1], p.onset_velocity_floor)
                 onset[which] = None if onset[which] else speed
-    return math.inf
+    return np.array(times), np.array(states), math.inf
