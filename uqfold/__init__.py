@@ -10,84 +10,8 @@ question; one table, with costs and error bars, says who was right.
 75
 """
 
-from typing import TYPE_CHECKING
-
-from uqfold.lazy import lazy_exports
+from uqfold.lazy import attach_stub
 
 __version__ = "0.1.0"
 
-if TYPE_CHECKING:
-    from uqfold import (
-        analysis,
-        inputs,
-        mechanism,
-        methods,
-        plots,
-        problems,
-        report,
-        system,
-        testing,
-    )
-    from uqfold.comparison.run import compare
-    from uqfold.evaluation.evaluator import Evaluator
-    from uqfold.methods.base import ReliabilityMethod
-    from uqfold.methods.result import ReliabilityResult
-    from uqfold.problems.base import Problem, Unit
-    from uqfold.problems.criterion import Binomial, Criteria, Criterion, criteria
-    from uqfold.problems.structure import CutSets, KOutOfN, Parallel, Series
-
-__all__ = [
-    "Binomial",
-    "Criteria",
-    "Criterion",
-    "CutSets",
-    "Evaluator",
-    "KOutOfN",
-    "Parallel",
-    "Problem",
-    "ReliabilityMethod",
-    "ReliabilityResult",
-    "Series",
-    "Unit",
-    "analysis",
-    "compare",
-    "criteria",
-    "inputs",
-    "mechanism",
-    "methods",
-    "plots",
-    "problems",
-    "report",
-    "system",
-    "testing",
-]
-
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "Binomial": "uqfold.problems.criterion",
-        "Criteria": "uqfold.problems.criterion",
-        "Criterion": "uqfold.problems.criterion",
-        "CutSets": "uqfold.problems.structure",
-        "Evaluator": "uqfold.evaluation.evaluator",
-        "KOutOfN": "uqfold.problems.structure",
-        "Parallel": "uqfold.problems.structure",
-        "Problem": "uqfold.problems.base",
-        "ReliabilityMethod": "uqfold.methods.base",
-        "ReliabilityResult": "uqfold.methods.result",
-        "Series": "uqfold.problems.structure",
-        "Unit": "uqfold.problems.base",
-        "analysis": "uqfold.analysis",
-        "compare": "uqfold.comparison.run",
-        "criteria": "uqfold.problems.criterion",
-        "inputs": "uqfold.inputs",
-        "mechanism": "uqfold.mechanism",
-        "methods": "uqfold.methods",
-        "plots": "uqfold.plots",
-        "problems": "uqfold.problems",
-        "report": "uqfold.report",
-        "system": "uqfold.system",
-        "testing": "uqfold.testing",
-    },
-)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

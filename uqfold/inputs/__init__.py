@@ -1,6 +1,5 @@
 """Random inputs: distributions of any origin, brought into one ordered joint distribution."""
 
-from uqfold.inputs.assembly import joint_inputs, normal, product_inputs
-from uqfold.inputs.joint import JointInputs
+from uqfold.lazy import attach_stub
 
-__all__ = ["JointInputs", "joint_inputs", "normal", "product_inputs"]
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -7,38 +7,6 @@ The room knows no probability. Numba is loaded, and kernels are compiled or take
 with the first use of what simulates; `WingParameters` alone needs neither.
 """
 
-from typing import TYPE_CHECKING
+from uqfold.lazy import attach_stub
 
-from uqfold.lazy import lazy_exports
-from uqfold.mechanism.parameters import ContactLaw, TangentialVelocity, WingParameters
-
-if TYPE_CHECKING:
-    from uqfold.mechanism.deployment import DEFAULT_TOLERANCE, deployment_times
-    from uqfold.mechanism.ideal import ideal_deployment_times
-    from uqfold.mechanism.recording import Trajectory, trajectory
-    from uqfold.mechanism.tabulation import motion_table
-
-__all__ = [
-    "DEFAULT_TOLERANCE",
-    "ContactLaw",
-    "TangentialVelocity",
-    "Trajectory",
-    "WingParameters",
-    "deployment_times",
-    "ideal_deployment_times",
-    "motion_table",
-    "trajectory",
-]
-
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "DEFAULT_TOLERANCE": "uqfold.mechanism.deployment",
-        "Trajectory": "uqfold.mechanism.recording",
-        "deployment_times": "uqfold.mechanism.deployment",
-        "ideal_deployment_times": "uqfold.mechanism.ideal",
-        "motion_table": "uqfold.mechanism.tabulation",
-        "trajectory": "uqfold.mechanism.recording",
-    },
-)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

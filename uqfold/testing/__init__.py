@@ -6,23 +6,6 @@
 ['evaluations_are_counted_per_sample']
 """
 
-from typing import TYPE_CHECKING
+from uqfold.lazy import attach_stub
 
-from uqfold.lazy import lazy_exports
-
-if TYPE_CHECKING:
-    from uqfold.testing.contract import CHECKS, ContractError, check_method
-    from uqfold.testing.linear_normal import LinearNormalSystem
-
-__all__ = ["CHECKS", "ContractError", "LinearNormalSystem", "check_method"]
-
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "CHECKS": "uqfold.testing.contract",
-        "ContractError": "uqfold.testing.contract",
-        "LinearNormalSystem": "uqfold.testing.linear_normal",
-        "check_method": "uqfold.testing.contract",
-    },
-)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

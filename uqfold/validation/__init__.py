@@ -4,30 +4,6 @@ A case is a folder (docs/validation.md). Reading a record runs no model, and imp
 the record names.
 """
 
-from uqfold.validation.findings import VERDICT_RULE, Finding, Verdict, verdict_of
-from uqfold.validation.measurement import Claim, Measurement, Points, Table
-from uqfold.validation.record import (
-    CaseRecord,
-    RecordError,
-    read_case_record,
-    read_case_records,
-    record_schema,
-)
-from uqfold.validation.work import Work
+from uqfold.lazy import attach_stub
 
-__all__ = [
-    "VERDICT_RULE",
-    "CaseRecord",
-    "Claim",
-    "Finding",
-    "Measurement",
-    "Points",
-    "RecordError",
-    "Table",
-    "Verdict",
-    "Work",
-    "read_case_record",
-    "read_case_records",
-    "record_schema",
-    "verdict_of",
-]
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -1,0 +1,6 @@
+from uqfold.inputs.assembly import (
+    joint_inputs as joint_inputs,
+    normal as normal,
+    product_inputs as product_inputs,
+)
+from uqfold.inputs.joint import JointInputs as JointInputs

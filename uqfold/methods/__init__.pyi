@@ -1,0 +1,24 @@
+from uqfold.methods.active_kriging import ActiveKriging as ActiveKriging
+from uqfold.methods.ask_tell import (
+    AskTellSession as AskTellSession,
+    SequentialMethod as SequentialMethod,
+)
+from uqfold.methods.base import (
+    ReliabilityMethod as ReliabilityMethod,
+    Solution as Solution,
+    Task as Task,
+)
+from uqfold.methods.conditional_monte_carlo import ConditionalMonteCarlo as ConditionalMonteCarlo
+from uqfold.methods.ffni_pearson import FFNIPearson as FFNIPearson
+from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint as FFNISaddlepoint
+from uqfold.methods.kriging import Kriging as Kriging
+from uqfold.methods.monte_carlo import MonteCarlo as MonteCarlo
+from uqfold.methods.openturns_form import OpenTURNSFORM as OpenTURNSFORM
+from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo as OpenTURNSMonteCarlo
+from uqfold.methods.polynomial_chaos import PolynomialChaos as PolynomialChaos
+from uqfold.methods.registry import available as available, build as build
+from uqfold.methods.result import (
+    CriterionResult as CriterionResult,
+    Estimate as Estimate,
+    ReliabilityResult as ReliabilityResult,
+)

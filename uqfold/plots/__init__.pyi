@@ -1,0 +1,14 @@
+from uqfold.plots.budgets import benchmark as benchmark, benchmark_panels as benchmark_panels
+from uqfold.plots.comparison_figure import comparison as comparison
+from uqfold.plots.curves import reliability as reliability, reliability_panels as reliability_panels
+from uqfold.plots.dependence import independence_panels as independence_panels
+from uqfold.plots.designs import design as design
+from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
+from uqfold.plots.saving import save as save
+from uqfold.plots.sensitivity import (
+    derivatives as derivatives,
+    derivatives_over_threshold as derivatives_over_threshold,
+    sobol as sobol,
+)
+from uqfold.plots.style import figure_settings as figure_settings, method_styles as method_styles
+from uqfold.plots.telling import values as values
