@@ -47,7 +47,9 @@ def test_a_name_that_has_moved_warns_for_one_release() -> None:
         assert former not in dir(uqfold.comparison)
 
 
-def test_a_type_checker_sees_a_misspelt_method(tmp_path: Path) -> None:
+def test_a_type_checker_sees_a_misspelt_method(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """``uqfold.methods.Krigin()`` passed mypy."""
     mypy = pytest.importorskip("mypy.api")
     # what is handed out is in the stubs alone, which are read in a second
@@ -55,6 +57,8 @@ def test_a_type_checker_sees_a_misspelt_method(tmp_path: Path) -> None:
         copy = tmp_path / stub.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(stub.read_bytes())
+    # and in this folder the whole package would be
+    monkeypatch.chdir(tmp_path)
     script = tmp_path / "script.py"
     uses = "methods.Kriging", "methods.Krigin", "problems.series", "problems.serie"
     script.write_text("\n".join(["import uqfold", *(f"uqfold.{use}" for use in uses)]))
