@@ -182,7 +182,7 @@ def main(
     study: str,
     tables: Tables,
     page: Callable[[Run], Page],
-    tolerance: tuple[float, float] = (1e-6, 1e-12),
+    tolerance: tuple[float, float],
 ) -> None:
     """Run a study as its command line asks.
 

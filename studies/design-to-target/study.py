@@ -29,6 +29,8 @@ from uqfold.methods import ConditionalMonteCarlo, FFNIPearson, Kriging
 sys.path.append(str(Path(__file__).parents[1]))
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-9)
+
 TARGET = 1e-3
 METHODS = {
     "kriging": Kriging(),
@@ -126,4 +128,4 @@ def simulated(row: Mapping[str, Any], place: str) -> str:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-9))
+    main(__file__, tables, page, TOLERANCE)

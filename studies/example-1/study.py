@@ -22,6 +22,8 @@ sys.path.append(str(Path(__file__).parents[1]))
 from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-6, 1e-12)
+
 METHODS = {**FFNI, "mc": uqfold.methods.MonteCarlo()}
 NAMES = ("no-sync", "sync", "mc-no-sync", "mc-sync")
 
@@ -93,4 +95,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page)
+    main(__file__, tables, page, TOLERANCE)

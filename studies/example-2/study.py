@@ -27,6 +27,8 @@ sys.path.append(str(Path(__file__).parents[1]))
 from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-6, 1e-12)
+
 METHODS = {**FFNI, "mc": uqfold.methods.MonteCarlo()}
 BRANCHES = {"open": (98, 106), "crossed": (-144, -135)}
 """Branch -> range of T (deg)."""
@@ -95,4 +97,4 @@ def figure(run: Run, letter: str, branch: str) -> "uqfold.plots.Figure":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page)
+    main(__file__, tables, page, TOLERANCE)

@@ -27,6 +27,8 @@ sys.path.append(str(Path(__file__).parents[1]))
 from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (0.02, 1e-5)
+
 SPA, PEARSON = ({label: method} for label, method in FFNI.items())
 
 
@@ -98,4 +100,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(0.02, 1e-5))
+    main(__file__, tables, page, TOLERANCE)

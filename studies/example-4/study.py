@@ -33,6 +33,8 @@ import paper
 from paper import FLOWN, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-6)
+
 PAIRS = {
     (1, 2): (steps(0.51, 0.61, 0.004), [0.534, 0.55, 0.558, 0.566, 0.582, 0.598], 0.55),
     (3, 4): (steps(0.51, 0.60, 0.003), [0.528, 0.54, 0.549, 0.558, 0.57, 0.579, 0.597], 0.54),
@@ -137,4 +139,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-6))
+    main(__file__, tables, page, TOLERANCE)

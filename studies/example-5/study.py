@@ -30,6 +30,8 @@ import paper
 from paper import FLOWN, TAU, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-6)
+
 PAIRS = {
     (11, 12): (steps(0.51, 0.60, 0.003), [0.54, 0.549, 0.558, 0.567, 0.576], 0.549),
     (13, 14): (steps(0.51, 0.60, 0.003), [0.54, 0.549, 0.558, 0.567, 0.576], 0.549),
@@ -97,4 +99,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-6))
+    main(__file__, tables, page, TOLERANCE)

@@ -38,6 +38,8 @@ from paper import CHECKED as METHODS
 from paper import FFNI, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-6)
+
 
 def tables(run: Run) -> None:
     """Answer with FFNI and by simulation; scan what the text leaves open."""
@@ -126,4 +128,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-6))
+    main(__file__, tables, page, TOLERANCE)

@@ -21,6 +21,8 @@ from uqfold.mechanism import WingParameters, motion_table
 sys.path.append(str(Path(__file__).parents[1]))
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-3)
+
 
 def tables(run: Run) -> None:
     """Simulate the wing of Table 1; seven digits of every step, in SI units."""
@@ -59,4 +61,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-3))
+    main(__file__, tables, page, TOLERANCE)

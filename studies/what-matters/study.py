@@ -28,6 +28,8 @@ sys.path.append(str(Path(__file__).parents[1]))
 from paper import inputs_table
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-9)
+
 KRIGING = uqfold.methods.Kriging()
 CHAOS = uqfold.methods.PolynomialChaos(runs=200)
 BOTH = ("on-surface", "simulated")
@@ -174,4 +176,4 @@ def over_threshold(rows: pd.DataFrame) -> Figure:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-9))
+    main(__file__, tables, page, TOLERANCE)

@@ -30,6 +30,8 @@ from uqfold.comparison.benchmark import benchmark_summary
 sys.path.append(str(Path(__file__).parents[1]))
 from runner import Run, finish, main, new_page
 
+TOLERANCE = (1e-3, 1e-12)
+
 PROBLEMS = {
     "series": uqfold.problems.series(),
     "four-bar": uqfold.problems.four_bar(),
@@ -202,4 +204,4 @@ def share(value: float) -> str:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, tolerance=(1e-3, 1e-12))
+    main(__file__, tables, page, TOLERANCE)

@@ -1,29 +1,124 @@
-"""Every study of ours: its committed results are what a fresh reduced run gives."""
+"""Every study: its committed tables are what a fresh reduced run gives, and are all shown."""
 
+import importlib.util
+import math
+import sys
 from pathlib import Path
+from types import ModuleType
 
+import pandas as pd
 import pytest
 
-from uqfold.cli import main
-
 STUDIES = Path(__file__).parents[2] / "studies"
-FOLDERS = sorted(path.parent for path in STUDIES.glob("*/study.toml"))
+sys.path.append(str(STUDIES))
+import runner  # noqa: E402
+
+FOLDERS = sorted(path.parent for path in STUDIES.glob("*/study.py"))
+
+
+def loaded(folder: Path) -> ModuleType:
+    """Import the script of a study without running it."""
+    sys.path.insert(0, str(folder))
+    try:
+        name = f"study_{folder.name.replace('-', '_')}"
+        spec = importlib.util.spec_from_file_location(name, folder / "study.py")
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(folder))
+    return module
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_committed_results_are_reproduced(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
     # a store of its own: nothing that an earlier run left is taken for a fresh result
-    with pytest.raises(SystemExit) as exited:
-        main(["study", "check", str(folder), "--store", str(tmp_path)])
-    assert exited.value.code == 0, capsys.readouterr().out
+    study = loaded(folder)
+    store = tmp_path / "evaluations.db"
+    assert runner.differences(folder, study.tables, study.TOLERANCE, store) == []
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_files_are_complete(folder: Path) -> None:
-    assert (folder / "README.md").is_file()
+def test_the_report_shows_every_figure(folder: Path) -> None:
+    page = loaded(folder).page(runner.read_run(folder))
     report = (folder / "report.md").read_text(encoding="utf-8")
-    for figure in folder.glob("figures/*.png"):
-        assert f"figures/{figure.name}" in report
-        assert figure.with_suffix(".svg").is_file()
+    names = {picture.name for picture in page.pictures()}
+    assert names == {path.stem for path in folder.glob("figures/*.png")}
+    assert all(f"figures/{name}.png" in report for name in names)
+    assert report.startswith(f"# {page.title}\n")
+
+
+RUNS = pd.DataFrame(
+    {"problem": "p", "label": ["mc", "ffni-spa"], "max_evals": math.nan, "threshold": 1.0,
+     "tau": math.nan, "missions": "1", "pf": [0.1, 0.2], "std_error": [0.01, math.nan],
+     "n_evals": [100, 75], "seed": 0, "reference_pf": 0.15}
+)  # fmt: skip
+INDEPENDENCE = pd.DataFrame(
+    {"problem": "p", "units": [2], "threshold": 1.0, "pf": 0.1, "sampled_responses": 64.0,
+     "sampled_difference": 0.01, "sampled_std_error": 0.002}
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("table", "row", "change", "said"),
+    [
+        (RUNS, 0, {}, ""),
+        # the same sample: to the tolerance
+        (RUNS, 0, {"pf": 0.1 * (1 + 1e-7)}, ""),
+        (RUNS, 0, {"pf": 0.1 * (1 + 1e-5)}, "pf = "),
+        (RUNS, 1, {"pf": math.nan}, "pf = nan"),
+        (RUNS, 1, {"std_error": 0.1}, "std_error = 0.1, committed nan"),
+        # another sample: in joint standard errors, and what depends on no sample exactly
+        (RUNS, 0, {"seed": 1, "pf": 0.15}, ""),
+        (RUNS, 0, {"seed": 1, "pf": 0.19}, "± 0.014"),
+        (RUNS, 0, {"n_evals": 99, "pf": 0.15, "std_error": 0.02}, ""),
+        (RUNS, 0, {"seed": 1, "reference_pf": 0.16}, "reference_pf = 0.16"),
+        (RUNS, 0, {"threshold": 2.0}, "not among the committed rows"),
+        # a method that chooses its own evaluations never has the same sample
+        (RUNS.replace("mc", "active-kriging"), 0, {"pf": 0.11}, ""),
+        # only the sampled part of this table depends on the sample
+        (INDEPENDENCE, 0, {"sampled_responses": 32.0, "sampled_difference": 0.012}, ""),
+        (INDEPENDENCE, 0, {"sampled_responses": 32.0, "sampled_difference": 0.03}, "± 0.0028"),
+        (INDEPENDENCE, 0, {"sampled_responses": 32.0, "pf": 0.101}, "pf = 0.101"),
+    ],
+)
+def test_a_check_says_what_differs(
+    table: pd.DataFrame, row: int, change: dict[str, float], said: str
+) -> None:
+    fresh = table.copy()
+    for column, value in change.items():
+        fresh.loc[row, column] = value
+    found = list(runner.compared(table, fresh, (1e-6, 1e-12)))
+    assert len(found) == bool(said)
+    assert said in "".join(found)
+
+
+def test_a_study_runs_redraws_and_checks_itself(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tables, record, figures and report come from one command; a spoilt table is found."""
+    study = loaded(STUDIES / "example-1")
+    script = tmp_path / "example-1" / "study.py"
+
+    def run(*options: str) -> None:
+        monkeypatch.setattr(sys, "argv", ["study.py", *options])
+        runner.main(str(script), study.tables, study.page, study.TOLERANCE)
+
+    monkeypatch.setattr(runner, "STORE", tmp_path / "evaluations.db")
+    run("--quick", "--out", str(script.parent))
+    results = script.parent / "results"
+    assert runner.read_run(script.parent).record["quick"] is True
+    assert len(list(script.parent.glob("figures/*.png"))) == 5
+    assert "Reduced form" in (script.parent / "report.md").read_text()
+    run("--redraw", "--out", str(tmp_path / "again"))
+    assert (tmp_path / "again" / "report.md").is_file()
+    with pytest.raises(SystemExit) as ended:
+        run("--check")
+    assert ended.value.code == 0
+    table = results / "sync.csv"
+    table.write_text(table.read_text().replace("ffni-pearson,,0.0,12.0", "ffni-pearson,,0.5,12.0"))
+    with pytest.raises(SystemExit) as ended:
+        run("--check")
+    assert ended.value.code == 1
+    assert "not among the committed rows" in capsys.readouterr().out
