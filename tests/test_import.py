@@ -44,7 +44,6 @@ def test_help_loads_nothing_heavy(words: list[str]) -> None:
 OPEN_CIRCLES = [
     {"uqfold.report.page.builder", "uqfold.report.page.to_html", "uqfold.report.page.to_markdown"},
     {"uqfold.comparison.header", "uqfold.comparison.records", "uqfold.comparison.run"},
-    {"uqfold.cli.study", "uqfold.cli.study_session"},
     {"uqfold.validation.case", "uqfold.validation.work"},
     {"uqfold.mechanism.parameter_checks", "uqfold.mechanism.parameters"},
 ]

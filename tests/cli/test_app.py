@@ -217,3 +217,11 @@ def test_a_second_run_gives_the_same_rows() -> None:
         for name in ("a", "b")
     )
     assert first == again
+
+
+@pytest.mark.parametrize("words", [[], ["run", "studies/example-1", "--quick"], ["list"]])
+def test_studies_are_scripts_now(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """The old command says where they are, in one line, whatever it was asked."""
+    assert run("study", *words) == 2
+    said = capsys.readouterr().err
+    assert "studies are scripts now, run python studies/<name>/study.py" in said

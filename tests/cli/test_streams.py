@@ -61,7 +61,7 @@ def test_closed_streams_end_no_work(tmp_path: Path) -> None:
 
 
 def test_a_reader_that_leaves_is_told_nothing(tmp_path: Path) -> None:
-    done = shell(tmp_path, "uqfold study keys | true")
+    done = shell(tmp_path, "uqfold methods | true")
     assert (done.returncode, done.stderr) == (1, "")
 
 
@@ -73,7 +73,7 @@ def test_a_reader_that_leaves_is_told_nothing(tmp_path: Path) -> None:
         ("/proc/new", "--out /proc/new: No such file or directory: give another path"),
     ],
 )
-@pytest.mark.parametrize("word", ["compare", "study", "validate"])
+@pytest.mark.parametrize("word", ["compare", "validate"])
 def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -89,11 +89,9 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
         raise AssertionError("work was spent")
 
     monkeypatch.setattr("uqfold.cli.compare.run_comparison", spend)
-    monkeypatch.setattr("uqfold.cli.study_session._make_results", spend)
     monkeypatch.setattr("uqfold.validation.runner.Validation.run", spend)
     words = {
         "compare": "compare series --method mc",
-        "study": f"study run {ROOT / 'studies' / 'example-1'}",
         "validate": f"validate against_scipy --quick --cases {ROOT / 'validation'}",
     }[word]
     said = refused(capsys, f"{words} --out {out}")

@@ -1,13 +1,11 @@
-"""What the mechanism's cases share: wings, stored times, the table and the pictures."""
-
-from pathlib import Path
+"""What the mechanism's cases share: wings, stored times, and the table."""
 
 import numpy as np
 import pytest
 
 from validation.against_exudyn import measure as exudyn
 from validation.against_scipy import measure as scipy
-from validation.mechanism import independent, parameter_sets, pictures
+from validation.mechanism import independent, parameter_sets
 
 
 def test_parameter_sets_cover_the_tables() -> None:
@@ -40,10 +38,3 @@ def test_stored_exudyn_times_are_those_of_exudyn() -> None:
     wing, stored = parameter_sets.parameter_sets()["table 10"], exudyn.stored_times()
     again = exudyn.exudyn_times(wing, [4 * exudyn.STEPS[-1]])[0]
     assert again == pytest.approx(stored["table 10"][-1], abs=exudyn.AGREEMENT)
-
-
-def test_pictures_are_drawn(tmp_path: Path) -> None:
-    assert pictures.main(["--out", str(tmp_path)]) == 0
-    for name in [*pictures.PICTURES, pictures.ANIMATION]:
-        assert (tmp_path / name).stat().st_size > 10_000
-        assert (pictures.IMAGES / name).exists()

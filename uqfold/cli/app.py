@@ -15,7 +15,6 @@ from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.invocation import Invocation, usage
 from uqfold.cli.report import REPORT_HELP, report_command
 from uqfold.cli.streams import exit_code_of, flush_streams, open_streams, os_error_text
-from uqfold.cli.study import study_app
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
 from uqfold.comparison.named_problems import available_problems, named_problem
 from uqfold.writing import check_writable
@@ -40,7 +39,6 @@ Examples:
   uqfold validate --quick
   uqfold report uqfold-results/folding-wing
   uqfold methods
-  uqfold study list
 """
 
 _COMPARE_HELP = f"""Compare reliability methods on one case.
@@ -247,5 +245,12 @@ def list_methods() -> None:
 
 
 app.command(name="report", help=REPORT_HELP)(report_command)
-app.add_typer(study_app)
+
+
+@app.command(name="study", hidden=True, context_settings={"ignore_unknown_options": True})
+def tell_about_studies(words: Annotated[list[str] | None, typer.Argument()] = None) -> None:
+    """Say that studies are scripts; until the next release."""
+    raise typer.BadParameter("studies are scripts now, run python studies/<name>/study.py --help")
+
+
 app.command(name="validate", help=VALIDATE_HELP)(validate_cases)

@@ -1,1 +1,0 @@
-"""Analyses of a study other than comparisons, one file each; see `studies.registry`."""
