@@ -42,7 +42,7 @@ def test_crank_angle_is_drawn_in_degrees_up_to_the_lock(table: pd.DataFrame) -> 
     (axes,) = figure.axes
     assert axes.get_xlabel() == "time (s)"
     assert "degrees" in axes.get_ylabel()
-    assert f"{table['time'][-1]:.4f} s" in axes.texts[0].get_text()
+    assert f"{table['time'].iloc[-1]:.4f} s" in axes.texts[0].get_text()
 
 
 def test_poses_are_those_of_the_motion_and_leave_out_what_comes_too_late(
