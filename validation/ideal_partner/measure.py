@@ -11,7 +11,7 @@ from uqfold.mechanism import WingParameters, deployment_times
 from uqfold.mechanism.ideal import ideal_deployment_times
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism import ideal_joints
-from validation.mechanism.parameter_sets import TABLE_6, parameter_sets
+from validation.mechanism.parameter_sets import draws_of_table_6, parameter_sets
 
 AGREEMENT = 1e-8
 """Largest difference (s) at a tight tolerance."""
@@ -40,8 +40,7 @@ def compare(names: Iterable[str], time: Time = ideal_time) -> list[dict[str, Any
 
 def follow(draws: int, seed: int, *, mixed_up: bool = False) -> dict[str, float]:
     """Correlation with the model with clearances, and mean and spread of the difference (s)."""
-    rng = np.random.default_rng(seed)
-    x = {name: rng.normal(mean, sigma, draws) for name, (mean, sigma) in TABLE_6.items()}
+    x = draws_of_table_6(draws, seed)
     full = deployment_times(WingParameters(), tolerance=1e-8, **x)
     if mixed_up:
         x["k_d"] = np.roll(x["k_d"], 1)

@@ -133,7 +133,12 @@ class Wing:
 
 
 def deployment_time(
-    p: Any, rtol: float = 1e-9, atol: float = 1e-11, max_step: float = 1e-4
+    p: Any,
+    rtol: float = 1e-9,
+    atol: float = 1e-11,
+    max_step: float = 1e-4,
+    *,
+    method: str = "DOP853",
 ) -> float:
     """Return the time of the lock (s) by SciPy, +inf without one until `t_max`."""
     return follow(Wing(p), rtol, atol, max_step)[2]
@@ -184,11 +189,11 @@ def follow(
             lambda t, y: wing.rates(t, y, onset),
             (t, min([c for c in DRIVE_CORNERS if c > t] + [p.t_max])),
             y,
-            method="DOP853",
+            method=method,
             rtol=rtol,
             atol=atol,
             events=events,
-            max_step=max_step if any(onset) else 1e-3,
+            max_step=max_step if any(onset) else max(max_step, 1e-3),
         )
         t, y = float(run.t[-1]), run.y[:, -1]
         times.extend(run.t[1:])

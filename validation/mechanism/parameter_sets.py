@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 from itertools import product
 
+import numpy as np
+
 from uqfold.mechanism import WingParameters
 
 # name -> (mean, standard deviation) in SI units, angles in radians
@@ -50,6 +52,12 @@ TABLE_9: tuple[tuple[str, float], ...] = (
     ("C_r", 0.000005),
     ("C_r", 0.0002),
 )
+
+
+def draws_of_table_6(n: int, seed: int) -> dict[str, np.ndarray]:
+    """Return draws (n,) of the random inputs of Table 6 by name."""
+    rng = np.random.default_rng(seed)
+    return {name: rng.normal(mean, sigma, n) for name, (mean, sigma) in TABLE_6.items()}
 
 
 def means(table: Mapping[str, tuple[float, float]]) -> WingParameters:

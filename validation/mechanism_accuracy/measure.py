@@ -9,7 +9,7 @@ import numpy as np
 
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.mechanism.parameter_sets import TABLE_6
+from validation.mechanism.parameter_sets import draws_of_table_6
 
 TIGHT = 1e-12
 """Local error per step (m) of the reference."""
@@ -25,8 +25,7 @@ Times = Callable[..., Any]
 
 def errors(draws: int, seed: int, times: Times) -> list[dict[str, Any]]:
     """One row per tolerance, and one for the clearance nudged at the tight tolerance."""
-    rng = np.random.default_rng(seed)
-    x = {name: rng.normal(mean, sigma, draws) for name, (mean, sigma) in TABLE_6.items()}
+    x = draws_of_table_6(draws, seed)
     wing = WingParameters()
     expected = deployment_times(wing, tolerance=TIGHT, **x)
     nudged = x | {"C_r": x["C_r"] * (1.0 + NUDGE)}
