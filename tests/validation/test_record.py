@@ -179,3 +179,12 @@ def test_a_folder_is_read_in_order_of_topic_and_name(tmp_path: Path) -> None:
 def test_a_stored_result_is_current_while_nothing_has_changed() -> None:
     assert STORED.current
     assert not StoredResult("2025-12-31", ("uqfold/methods",), (), 1.0, "x").current
+
+
+def test_the_former_name_of_the_room_is_understood_with_a_warning() -> None:
+    from uqfold import evidence
+
+    with pytest.warns(DeprecationWarning, match="uqfold.evidence is uqfold.validation now"):
+        assert evidence.Finding is Finding
+    with pytest.raises(AttributeError, match="has no attribute 'Axis'"):
+        _ = evidence.Axis

@@ -141,11 +141,16 @@ def deployment_time(
     method: str = "DOP853",
 ) -> float:
     """Return the time of the lock (s) by SciPy, +inf without one until `t_max`."""
-    return follow(Wing(p), rtol, atol, max_step)[2]
+    return follow(Wing(p), rtol, atol, max_step, method=method)[2]
 
 
 def follow(
-    wing: Any, rtol: float = 1e-9, atol: float = 1e-11, max_step: float = 1e-4
+    wing: Any,
+    rtol: float = 1e-9,
+    atol: float = 1e-11,
+    max_step: float = 1e-4,
+    *,
+    method: str = "DOP853",
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Follow a wing by SciPy, restarted wherever a contact begins or ends or the drive bends.
 
@@ -153,7 +158,7 @@ def follow(
     ----------
     wing
         A `Wing`, or what has its `p`, `start`, `rates`, `penetration` and `slider`.
-    rtol, atol, max_step
+    rtol, atol, max_step, method
         As in `scipy.integrate.solve_ivp`; `max_step` (s) holds while a joint is in contact.
 
     Returns

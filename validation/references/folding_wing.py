@@ -15,11 +15,7 @@ same command, with more blocks if wanted.
 from __future__ import annotations
 
 import argparse
-import json
-import sys
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +24,7 @@ from mission_estimators import MissionGrid
 from stratified_draws import Strata, block_inputs, steepest_direction
 from tables import BINOMIAL_PROFILES, SHIPPED, Row, as_text, write
 
-from uqfold.evaluation import EngineError, Evaluator
+from uqfold.evaluation import Evaluator
 from uqfold.problems import Problem, folding_wing
 from uqfold.typing import FloatArray
 
@@ -45,38 +41,6 @@ LARGEST_RELATIVE_ERROR = 0.3
 DEFAULT_STORE = Path("uqfold-results") / "folding-wing-reference.db"
 
 
-@dataclass
-class Accumulation:
-    """Running mean and spread of the block estimates.
-
-    Attributes
-    ----------
-    mean, squares
-        Mean of the block estimates and sum of squared deviations from it.
-    blocks
-        Blocks so far.
-    """
-
-    mean: FloatArray
-    squares: FloatArray
-    blocks: int = 0
-
-    def add(self, estimate: FloatArray) -> None:
-        """Take in the estimates of the next block (Welford's recurrence)."""
-        self.blocks += 1
-        change = estimate - self.mean
-        self.mean = self.mean + change / self.blocks
-        self.squares = self.squares + change * (estimate - self.mean)
-
-    @property
-    def std_error(self) -> FloatArray:
-        """Standard error of the mean; NaN before the second block."""
-        if self.blocks < 2:
-            return np.full_like(self.mean, np.nan)
-        error: FloatArray = np.sqrt(self.squares / (self.blocks * (self.blocks - 1)))
-        return error
-
-
 def simulate(
     problem: Problem,
     grid: MissionGrid,
@@ -86,9 +50,10 @@ def simulate(
     draws: int = SHARED_DRAWS,
     strata: Strata = STRATA,
     evaluator: Evaluator | None = None,
-    progress: Callable[[Accumulation], None] | None = None,
-) -> Accumulation:
-    """Simulate blocks 0 ... `blocks` - 1; block i always has the random streams (i, 0) and (i, 1).
+) -> FloatArray:
+    """Return the estimates of blocks 0 ... `blocks` - 1: an array (blocks, *grid.shape).
+
+    Block i always has the random streams (i, 0) and (i, 1).
 
     Parameters
     ----------
@@ -101,8 +66,6 @@ def simulate(
         How much, and how it is drawn.
     evaluator
         Store and executor; a failed run has to raise.
-    progress
-        Called after every block.
     """
     inputs = problem.inputs
     direction = steepest_direction(problem.low_fidelity or problem.model, inputs)
@@ -117,21 +80,22 @@ def simulate(
 
     settings = evaluator or Evaluator(failed_runs="raise")
     session = settings.open(problem, None)
-    sums = Accumulation(np.zeros(grid.shape), np.zeros(grid.shape))
-    for block, y in enumerate(session.stream(drawn(block) for block in range(blocks))):
-        rng = generator(block, 1)
-        sums.add(grid.estimate(y.reshape(shape), strata.probabilities, rng))
-        if progress is not None:
-            progress(sums)
-    return sums
+    responses = session.stream(drawn(block) for block in range(blocks))
+    return np.array(
+        [
+            grid.estimate(y.reshape(shape), strata.probabilities, generator(block, 1))
+            for block, y in enumerate(responses)
+        ]
+    )
 
 
-def known_rows(grid: MissionGrid, sums: Accumulation) -> list[Row]:
-    """Give the rows whose relative standard error is small enough to call them known."""
-    error = sums.std_error
-    known = (sums.mean > 0.0) & (error <= LARGEST_RELATIVE_ERROR * sums.mean)
+def known_rows(grid: MissionGrid, estimates: FloatArray) -> list[Row]:
+    """Return the rows whose relative standard error is small enough to call them known."""
+    mean = estimates.mean(axis=0)
+    error = estimates.std(axis=0, ddof=1) / np.sqrt(len(estimates))
+    known = (mean > 0.0) & (error <= LARGEST_RELATIVE_ERROR * mean)
     return [
-        Row(threshold, tau, profile, float(sums.mean[i, j, k]), float(error[i, j, k]))
+        Row(threshold, tau, profile, float(mean[i, j, k]), float(error[i, j, k]))
         for i, tau in enumerate(grid.taus)
         for j, profile in enumerate(grid.profiles)
         for k, threshold in enumerate(grid.thresholds)
@@ -139,76 +103,41 @@ def known_rows(grid: MissionGrid, sums: Accumulation) -> list[Row]:
     ]
 
 
-def document(grid: MissionGrid, sums: Accumulation, seed: int) -> str:
-    """Give the text of ``folding_wing.json``."""
-    deployments = sums.blocks * SHARED_DRAWS * grid.replicates * STRATA.count
+def document(grid: MissionGrid, estimates: FloatArray, seed: int) -> str:
+    """Return the text of ``folding_wing.json``."""
+    blocks = len(estimates)
+    deployments = blocks * SHARED_DRAWS * grid.replicates * STRATA.count
     how = (
-        f"Simulation of the mechanism, {deployments} deployments: {sums.blocks} blocks of "
+        f"Simulation of the mechanism, {deployments} deployments: {blocks} blocks of "
         f"{SHARED_DRAWS} shared draws (scrambled Sobol), each with {grid.replicates} replicates of "
         f"a wing in {STRATA.count} strata along the gradient of the deployment time with ideal "
         "joints; estimators without bias given the shared draw. The error is the standard error "
         f"from the spread of the block means; rows where it exceeds {LARGEST_RELATIVE_ERROR:.0%} "
         "of pf are left out."
     )
-    command = f"python validation/references/folding_wing.py --blocks {sums.blocks} --seed {seed}"
-    return as_text("folding-wing", "simulation", how, command, known_rows(grid, sums))
+    command = f"python validation/references/folding_wing.py --blocks {blocks} --seed {seed}"
+    return as_text("folding-wing", "simulation", how, command, known_rows(grid, estimates))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--blocks", type=int, default=104, help="blocks in all (default 104)")
-    parser.add_argument("--seed", type=int, default=SEED, help=f"seed (default {SEED})")
-    parser.add_argument(
-        "--store",
-        type=Path,
-        default=DEFAULT_STORE,
-        help=f"file that keeps the deployments between runs (default {DEFAULT_STORE})",
-    )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        default=SHIPPED / "folding_wing.json",
-        help="reference file to write (default: the package's)",
-    )
+    parser.add_argument("--blocks", type=int, default=104, help="blocks in all, at least 2")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--store", type=Path, default=DEFAULT_STORE, help="keeps the deployments")
+    parser.add_argument("--out", type=Path, default=SHIPPED / "folding_wing.json")
     options: Any = parser.parse_args(arguments)
     if options.blocks < 2:
         parser.error(f"--blocks {options.blocks}: a standard error takes at least 2 blocks")
-    began = time.monotonic()
-
-    def progress(sums: Accumulation) -> None:
-        seconds = time.monotonic() - began
-        left = seconds / sums.blocks * (options.blocks - sums.blocks)
-        line = f"block {sums.blocks}/{options.blocks}, {seconds:.0f} s, {left / 60:.0f} min left"
-        print(f"\r{line:<60}", end="", file=sys.stderr, flush=True)
-
-    try:
-        options.store.parent.mkdir(parents=True, exist_ok=True)
-        sums = simulate(
-            folding_wing(),
-            GRID,
-            blocks=options.blocks,
-            seed=options.seed,
-            evaluator=Evaluator(failed_runs="raise", store=options.store),
-            progress=progress if sys.stderr.isatty() else None,
-        )
-    except KeyboardInterrupt:
-        print(
-            f"\nstopped; the finished deployments are in {options.store}: the same command "
-            "continues from there",
-            file=sys.stderr,
-        )
-        return 130
-    except (EngineError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    text = document(GRID, sums, options.seed)
-    write(options.out, text)
-    print(f"{options.out}: {len(json.loads(text)['rows'])} of {sums.mean.size} rows known")
-    return 0
+    options.store.parent.mkdir(parents=True, exist_ok=True)
+    evaluator = Evaluator(failed_runs="raise", store=options.store)
+    estimates = simulate(
+        folding_wing(), GRID, blocks=options.blocks, seed=options.seed, evaluator=evaluator
+    )
+    write(options.out, document(GRID, estimates, options.seed))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

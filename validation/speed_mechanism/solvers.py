@@ -86,10 +86,15 @@ class Solver:
 
     def integrate(self, wing: WingParameters) -> float:
         """Return the deployment time (s) of a wing."""
-        if not self.compiled:
-            return independent.deployment_time(
-                wing, self.rtol, self.atol, math.inf, method=self.method
-            )
+        # a trial step that is rejected may overflow
+        with np.errstate(invalid="ignore", over="ignore"):
+            return self._compiled(wing) if self.compiled else self._plain(wing)
+
+    def _plain(self, wing: WingParameters) -> float:
+        tolerances = self.rtol, self.atol, math.inf
+        return independent.deployment_time(wing, *tolerances, method=self.method)
+
+    def _compiled(self, wing: WingParameters) -> float:
         [row] = Wings(wing).table()
         constants = wing_constants(row)
         # in a form that compiled code takes over at no cost
@@ -102,17 +107,15 @@ class Solver:
             events: list[Any] = [lambda _, y, k=k: float(_event(y, w, z, k)) for k in range(3)]
             for event in events:
                 event.terminal, event.direction = True, 1
-            # a trial step that is rejected may overflow
-            with np.errstate(invalid="ignore", over="ignore"):
-                run = solve_ivp(
-                    lambda t, y: _rates(t, y, w, z),
-                    (t, end),
-                    y,
-                    method=self.method,
-                    rtol=self.rtol,
-                    atol=self.atol,
-                    events=events,
-                )
+            run = solve_ivp(
+                lambda t, y: _rates(t, y, w, z),
+                (t, end),
+                y,
+                method=self.method,
+                rtol=self.rtol,
+                atol=self.atol,
+                events=events,
+            )
             return run.t[-1], run.y[:, -1], [len(times) > 0 for times in run.t_events]
 
         return segment
