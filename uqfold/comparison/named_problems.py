@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, cast
 
 from uqfold.checks import choice, keep, text, whole
 
 if TYPE_CHECKING:
     from uqfold.problems.base import Problem
+
+OWN_EVALS = 100_000
+"""Budget of each method for a problem of the caller's own."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +32,8 @@ class NamedProblem:
     description
         One line for lists.
     factory
-        Where the problem is built, as ``module:function``; imported when first needed.
+        Where the problem is built, as ``module:function`` or ``file.py:function``; imported when
+        first needed.
     max_evals
         Budget of each method unless another is given.
     """
@@ -41,8 +50,9 @@ class NamedProblem:
 
     def function(self) -> Callable[..., Problem]:
         """Return the function that builds the problem, and takes its options."""
-        module, _, function = self.factory.partition(":")
-        return cast("Callable[..., Problem]", getattr(import_module(module), function))
+        module, _, function = self.factory.rpartition(":")
+        loaded = _loaded_file(Path(module)) if module.endswith(".py") else import_module(module)
+        return cast("Callable[..., Problem]", getattr(loaded, function))
 
     def problem(self) -> Problem:
         """Build the problem."""
@@ -83,12 +93,37 @@ def available_problems() -> dict[str, NamedProblem]:
 
 
 def named_problem(name: str) -> NamedProblem:
-    """Return the problem of that name.
+    """Return the problem of that name, or one of the caller's own.
+
+    Parameters
+    ----------
+    name
+        A name, or ``file.py:function`` for a function without arguments that returns a problem.
 
     Raises
     ------
     ValueError
         If there is none; the message lists those that exist.
     """
+    if isinstance(name, str) and ".py:" in name:
+        file, _, function = name.rpartition(":")
+        if not Path(file).is_file():
+            raise ValueError(f"name = {name!r}: there is no file {file}")
+        own = NamedProblem(function or "problem", f"{function} of {file}", name, OWN_EVALS)
+        if not hasattr(_loaded_file(Path(file)), own.name):
+            raise ValueError(f"name = {name!r}: {file} has no function {own.name!r}")
+        return own
     problems = available_problems()
     return problems[choice("name", name, problems)]
+
+
+@cache
+def _loaded_file(file: Path) -> ModuleType:
+    """Return the module in a file, which stays importable by its name for other processes."""
+    spec = spec_from_file_location(file.stem, file)
+    if spec is None or spec.loader is None:
+        raise ValueError(f"{file} is not a Python file")
+    module = module_from_spec(spec)
+    sys.modules.setdefault(file.stem, module)
+    spec.loader.exec_module(module)
+    return module

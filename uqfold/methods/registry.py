@@ -25,7 +25,7 @@ _BUILT_IN: dict[str, str] = {
 }
 
 
-_FORMER = {"ak-mcs": "active-kriging"}
+FORMER = {"ak-mcs": "active-kriging"}
 """Former name -> name; a former one is understood, with a warning, for one release."""
 
 
@@ -55,8 +55,8 @@ def build(name: str) -> ReliabilityMethod:
 def named(argument: str, name: object) -> ReliabilityMethod:
     """Build the method that an argument names; raise as `build` does, naming the argument."""
     methods, left_out = _found()
-    if isinstance(name, str) and name in _FORMER:
-        called = _FORMER[name]
+    if isinstance(name, str) and name in FORMER:
+        called = FORMER[name]
         warnings.warn(f"the method {name!r} is called {called!r} now", FutureWarning, stacklevel=3)
         name = called
     if isinstance(name, str) and name in left_out and name not in methods:

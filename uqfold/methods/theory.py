@@ -7,6 +7,7 @@ those of the folding-wing paper.
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import dataclass
 
 
@@ -46,3 +47,12 @@ class Theory:
     summary: str = ""
     equations: tuple[Equation, ...] = ()
     references: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, method: type) -> Theory:
+        """Return what a method states of itself: its ``theory``, or else its docstring's start."""
+        stated: Theory = getattr(method, "theory", cls())
+        if stated.summary:
+            return stated
+        first = inspect.cleandoc(method.__doc__ or "").partition("\n\n")[0]
+        return cls(" ".join(first.split()), stated.equations, stated.references)
