@@ -2,12 +2,7 @@
 stays Ctrl-C."""
 
 import pickle
-import signal
-import subprocess
-import sys
 import threading
-import time
-from pathlib import Path
 from typing import Any
 
 import chaospy
@@ -18,8 +13,8 @@ from scipy import stats
 from scipy.special import ndtr
 
 from uqfold import Problem
-from uqfold.inputs import joint_inputs, product_inputs, python_side
-from uqfold.inputs.python_side import interrupt_deferred, python_object
+from uqfold.inputs import joint_inputs, product_inputs
+from uqfold.inputs.behind import python_object
 from uqfold.methods import MonteCarlo
 
 
@@ -136,65 +131,3 @@ def test_drawing_from_other_threads() -> None:
         thread.join()
     assert len(found) == 4
     assert len(set(found)) == 1
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals to oneself need POSIX")
-@pytest.mark.parametrize(
-    ("method", "kind", "place"),
-    [
-        ("mc", "native", "main"),
-        ("mc", "scipy", "main"),
-        ("mc", "scipy", "thread"),
-        ("mc", "copula", "main"),
-        ("openturns-mc", "native", "main"),
-        ("openturns-mc", "native", "thread"),
-    ],
-)
-@pytest.mark.slow
-def test_ctrl_c_while_inputs_are_drawn_leaves_estimate(method: str, kind: str, place: str) -> None:
-    # it was a failed row, or the end of the process
-    program = Path(__file__).with_name("ctrl_c.py")
-    done = subprocess.run(
-        [sys.executable, str(program), method, kind, "0.7", place],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr[-2000:]
-
-
-def test_openturns_runs_under_the_handler_of_python() -> None:
-    handlers = []
-
-    def probe(rows: Any) -> Any:
-        handlers.append(python_side._get_c_handler(signal.SIGINT))
-        return rows
-
-    under = python_side.uninterrupted(ot.PythonFunction(1, 1, func_sample=probe))
-    ot.Function(ot.PythonFunction(1, 1, func_sample=probe))(ot.Sample([[1.0]]))
-    under(ot.Sample([[1.0]]))
-    thread = threading.Thread(target=under, args=(ot.Sample([[1.0]]),))
-    thread.start()
-    thread.join()
-    before, inside, in_thread = handlers
-    assert inside == in_thread == python_side._get_c_handler(signal.SIGINT)
-    assert before != inside  # OpenTURNS has one of its own, or this is not needed any more
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals to oneself need POSIX")
-def test_ctrl_c_waits_until_openturns_has_returned() -> None:
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    reached = False
-    try:
-        deferred = interrupt_deferred()
-        deferred.__enter__()
-        signal.raise_signal(signal.SIGINT)
-        time.sleep(0.01)
-        reached = True
-        with pytest.raises(KeyboardInterrupt):
-            deferred.__exit__(None, None, None)
-        assert reached
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGINT, before)

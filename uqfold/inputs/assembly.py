@@ -10,6 +10,7 @@ from uqfold.checks import names as checked_names
 from uqfold.checks import real, shown
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.door import checked_marginal
+from uqfold.inputs.engine import openturns
 from uqfold.inputs.joint import JointInputs
 from uqfold.inputs.parts import Parts, check_part, taken_apart
 
@@ -23,8 +24,7 @@ def normal(mean: float, std: float) -> Any:
         If `std` is not positive or a value is no finite number.
     """
     mean, std = real("mean", mean), real("std", std, above=0.0)
-    import openturns as ot
-
+    ot = openturns()
     return ot.Normal(mean, std)
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, called
-from uqfold.inputs.python_side import WithoutCaches, uninterrupted, written_in_python
+from uqfold.inputs.engine import openturns
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, WithoutCaches, called
 from uqfold.typing import FloatArray
 
 _FURTHEST = 38.0  # a normal probability of 1e-316: further out lies nothing
@@ -105,8 +105,7 @@ class NormalPart(Part):
 
     def copula(self) -> Any:
         """See `Part`."""
-        import openturns as ot
-
+        ot = openturns()
         return ot.NormalCopula(ot.CorrelationMatrix(self.correlation.tolist()))
 
 
@@ -125,32 +124,19 @@ class _ByOpenTURNS(Part):
     own: Any
 
     @cached_property
-    def python(self) -> bool:
-        """Whether OpenTURNS calls Python for it, value by value."""
-        return written_in_python(self.own)
-
-    @cached_property
     def _inverse(self) -> Any:
-        import openturns as ot
-
-        return uninterrupted(ot.InverseRosenblattEvaluation(self.own))
+        ot = openturns()
+        return ot.Function(ot.InverseRosenblattEvaluation(self.own))
 
     @cached_property
     def _forward(self) -> Any:
-        import openturns as ot
-
-        return uninterrupted(ot.RosenblattEvaluation(self.own))
-
-    def _rows(self, function: Any, rows: FloatArray) -> FloatArray:
-        import openturns as ot
-
-        found = called(function, ot.Sample(rows), python=self.python)
-        return np.array(found, dtype=np.float64)
+        ot = openturns()
+        return ot.Function(ot.RosenblattEvaluation(self.own))
 
     def _own_log_density(self, rows: FloatArray) -> FloatArray:
         k = rows.shape[1]
         own = self.own if k == len(self.columns) else self.own.getMarginal(list(range(k)))
-        return self._rows(own.computeLogPDF, rows).ravel()
+        return called(own.computeLogPDF, rows).ravel()
 
 
 class CopulaPart(_ByOpenTURNS):
@@ -162,19 +148,17 @@ class CopulaPart(_ByOpenTURNS):
 
     def values(self, u: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
-        native = self._native(marginals)
-        if native is not None:
-            return self._rows(native, u)
         from scipy.special import ndtri
 
-        p = self._rows(self._inverse, u)
+        p = called(self._inverse, u)
         # a level of 1 is one rounded up: no value is infinitely far out
         z = ndtri(np.clip(p, _SMALLEST, _LARGEST))
+        z[:, 0] = u[:, 0]
         return _columns(m.from_normal(z[:, i]) for i, m in enumerate(marginals))
 
     def normals(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
-        return self._rows(self._forward, self._levels(x, marginals))
+        return called(self._forward, self._levels(x, marginals))
 
     def log_density(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
@@ -183,19 +167,6 @@ class CopulaPart(_ByOpenTURNS):
         if x.shape[1] == 1:
             return alone
         return np.asarray(alone + self._own_log_density(self._levels(x, some)))
-
-    def _native(self, marginals: Sequence[Marginal]) -> Any | None:
-        """Transformation by OpenTURNS alone, if it computes all marginals; the last one is kept."""
-        if not all(isinstance(m, OpenTURNSMarginal) and not m.python for m in marginals):
-            return None
-        known = self.__dict__.get("_kept")
-        if known is None or any(a is not b for a, b in zip(known[0], marginals, strict=True)):
-            import openturns as ot
-
-            joint = ot.JointDistribution([m.distribution for m in marginals], self.own)
-            known = tuple(marginals), uninterrupted(ot.InverseRosenblattEvaluation(joint))
-            self.__dict__["_kept"] = known
-        return known[1]
 
     def _levels(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         return _columns(m.cdf(x[:, i]) for i, m in enumerate(marginals))
@@ -222,7 +193,7 @@ class JointPart(_ByOpenTURNS):
 
     def values(self, u: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
-        x = self._rows(self._inverse, u)
+        x = called(self._inverse, u)
         for i, (base, new) in enumerate(zip(self.base, marginals, strict=True)):
             if base.distribution != new.distribution:
                 x[:, i] = new.from_normal(base.to_normal(x[:, i]))
@@ -230,7 +201,7 @@ class JointPart(_ByOpenTURNS):
 
     def normals(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""
-        return self._rows(self._forward, self._at_base(x, marginals)[0])
+        return called(self._forward, self._at_base(x, marginals)[0])
 
     def log_density(self, x: FloatArray, marginals: Sequence[Marginal]) -> FloatArray:
         """See `Part`."""

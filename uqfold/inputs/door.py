@@ -1,8 +1,8 @@
 """Checks of an input before it is let in: quantiles in the support, and back to where they were.
 
 A distribution whose quantiles leave its support, or whose distribution function does not lead
-back from a quantile, draws something else than it says. It is replaced where we have a form of our
-own that passes, and refused where we have none.
+back from a quantile, draws something else than it says. Our own form of a family is checked against
+OpenTURNS' distribution function; what we have no form of, or none that passes, must pass itself.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.inputs.laws import replacement, wrapped
+from uqfold.inputs.laws import closed_form
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
+from uqfold.inputs.wrapped import wrapped
 
 _LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0])
 """Where the way back is tried on both sides: to probabilities of 1e-9."""
@@ -21,7 +22,7 @@ _FURTHEST = 8.0
 _EXACT = (1e-4, 4e-16)
 _NUMERICAL = (1e-3, 1e-9)
 """Relative and absolute error of a probability on the way back, the latter also of a quantile as a
-share of the spread: where there is a form of ours that keeps it, and the most that is let in."""
+share of the spread: for a form of ours, and the most that is let in."""
 _TINY = 2.3e-308
 
 
@@ -40,17 +41,15 @@ def checked_marginal(distribution: Any, name: str) -> Marginal:
     ValueError
         If it does not pass, and there is no other form of it that does.
     """
-    first = wrapped(distribution) or OpenTURNSMarginal(distribution)
-    if _fault(first, _EXACT) is None:
-        return first
-    other = replacement(distribution)
-    if other is not None and _fault(other, _EXACT) is None:
-        return other
-    fault = _fault(first, _NUMERICAL)
+    own = closed_form(distribution)
+    if own is not None and _fault(own, _EXACT) is None:
+        return own
+    other = wrapped(distribution) or OpenTURNSMarginal(distribution)
+    fault = _fault(other, _NUMERICAL)
     if fault is None:
-        return first
+        return other
     raise ValueError(
-        f"input {name!r} = {first}: {fault}; give parameters within double precision, or another "
+        f"input {name!r} = {other}: {fault}; give parameters within double precision, or another "
         "distribution"
     )
 

@@ -1,11 +1,10 @@
 """Gauss quadrature rules that fit any continuous marginal distribution.
 
-Normal, uniform, exponential, gamma and beta marginals have classical rules, which OpenTURNS knows.
-For the others its rules lose the tails (its adaptive integration cuts the support), so they are
-made here. The marginal becomes a fine discrete measure: a composite Gauss-Legendre rule, over the
-standard-normal variable in the body, split where OpenTURNS knows the density to have kinks, and
-over the density itself in the tails, where quantiles run out of digits. The Lanczos process then
-gives the recurrence of its orthonormal polynomials.
+Normal, uniform, exponential, gamma and beta marginals have classical orthogonal polynomials, whose
+recurrence is known. Any other marginal becomes a fine discrete measure: a composite Gauss-Legendre
+rule, over the standard-normal variable in the body, split where OpenTURNS knows the density to have
+kinks, and over the density itself in the tails, where quantiles run out of digits. The Lanczos
+process then gives the recurrence of its orthonormal polynomials.
 
 References
 ----------
@@ -15,19 +14,20 @@ sections 2.2 and 3.1.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from uqfold.checks import whole
+from uqfold.inputs.behind import family_of
 from uqfold.inputs.door import checked_marginal
-from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
+from uqfold.inputs.laws import ClosedMarginal
+from uqfold.inputs.marginal import Marginal
 from uqfold.typing import FloatArray
 
 MAX_GAUSS_NODES = 64
 """Most nodes of a rule."""
-
-_CLASSICAL = frozenset({"Normal", "Uniform", "Exponential", "Gamma", "Beta"})
 
 _REACH = 6.0  # the body: beyond it, probabilities of 1e-9, the density takes over from quantiles
 _PANEL = 0.25  # fine enough for the squares of polynomials with 64 zeros
@@ -43,7 +43,7 @@ _DEPARTURE = 1e-10
 
 
 def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss quadrature rule of a distribution: exact for polynomials of degree 2 n - 1.
+    """Return the Gauss quadrature rule of a distribution: exact for polynomials of degree 2 n - 1.
 
     Parameters
     ----------
@@ -66,8 +66,11 @@ def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
     n = whole("n", n, at_least=1, at_most=MAX_GAUSS_NODES)
     if not isinstance(marginal, Marginal):
         marginal = checked_marginal(marginal, "marginal")
-    if isinstance(marginal, OpenTURNSMarginal) and _family(marginal.distribution) in _CLASSICAL:
-        nodes, weights = _classical_rule(marginal.distribution, n)
+    own, family = family_of(marginal.distribution)
+    if isinstance(marginal, ClosedMarginal) and family in _CLASSICAL:
+        origin, scale, a, b = _CLASSICAL[family](own, n)
+        standard, weights, _ = _rule_of_recurrence(a, b)
+        nodes = origin + scale * standard
     else:
         rule = _rule_of_measure(_discrete_measure(marginal), n)
         if rule is None:
@@ -79,20 +82,56 @@ def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
     return nodes, weights / weights.sum()
 
 
-def _family(marginal: Any) -> str:
-    """Class of the implementation behind OpenTURNS' interface object; empty if it has none."""
-    own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
-    return str(own.getClassName()) if hasattr(own, "getClassName") else ""
+_Recurrence: TypeAlias = tuple[float, float, FloatArray, FloatArray]
+"""Origin, scale, and the diagonal (n,) and off-diagonal (n - 1,) of the standard Jacobi matrix."""
 
 
-def _classical_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
-    import openturns as ot
+def _of_normal(d: Any, n: int) -> _Recurrence:
+    mean, std = d.getParameter()
+    return mean, std, np.zeros(n), np.sqrt(np.arange(1.0, n))
 
-    product = ot.GaussProductExperiment(ot.JointDistribution([marginal]), [n])
-    points, weights = product.generateWithWeights()
-    nodes = np.array(points, dtype=np.float64).ravel()
-    order = np.argsort(nodes)
-    return nodes[order], np.array(weights, dtype=np.float64)[order]
+
+def _of_gamma(d: Any, n: int) -> _Recurrence:
+    shape = d.getK() if d.getClassName() == "Gamma" else 1.0
+    j = np.arange(float(n))
+    off = np.sqrt(j[1:] * (j[1:] + shape - 1.0))
+    return d.getGamma(), 1.0 / d.getLambda(), 2.0 * j + shape, off
+
+
+def _of_beta(d: Any, n: int) -> _Recurrence:
+    low, high = d.getA(), d.getB()
+    p, q = (d.getAlpha(), d.getBeta()) if d.getClassName() == "Beta" else (1.0, 1.0)
+    total, j = p + q, np.arange(1.0, n)
+    k = 2.0 * j + total
+    diagonal = np.append((p - q) / total, (p - q) * (total - 2.0) / ((k - 2.0) * k))
+    # the first has a factor in common above and below, which may vanish
+    first = 4.0 * p * q / (total**2 * (total + 1.0))
+    i, k = j[1:], k[1:]
+    rest = 4.0 * i * (i + p - 1.0) * (i + q - 1.0) * (i + total - 2.0)
+    squares = np.append(first, rest / ((k - 2.0) ** 2 * (k - 1.0) * (k - 3.0)))
+    return 0.5 * (low + high), 0.5 * (high - low), diagonal, np.sqrt(squares[: n - 1])
+
+
+_CLASSICAL: dict[str, Callable[[Any, int], _Recurrence]] = {
+    "Beta": _of_beta,
+    "Exponential": _of_gamma,
+    "Gamma": _of_gamma,
+    "Normal": _of_normal,
+    "Uniform": _of_beta,
+}
+"""Class of an OpenTURNS distribution -> recurrence of its orthonormal polynomials."""
+
+
+def _rule_of_recurrence(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nodes (n,), weights (n,) and the orthonormal polynomials (n, n) at the nodes."""
+    n = len(a)
+    nodes = np.linalg.eigvalsh(np.diag(a) + np.diag(b, 1) + np.diag(b, -1))
+    p = np.ones((n, n))
+    for k in range(n - 1):
+        before = b[k - 1] * p[k - 1] if k else 0.0
+        p[k + 1] = ((nodes - a[k]) * p[k] - before) / b[k]
+    # weights as reciprocals of the Christoffel sums: the smallest ones stay accurate
+    return np.asarray(nodes), np.asarray(1.0 / (p * p).sum(axis=0)), p
 
 
 class _Measure(NamedTuple):
@@ -187,13 +226,7 @@ def _rule_of_measure(measure: _Measure, n: int) -> tuple[FloatArray, FloatArray]
         finite = np.isfinite(a).all() and np.isfinite(b).all()
         if not (finite and tails <= _TAIL_SHARE * highest.sum()):
             return None
-        nodes = np.linalg.eigvalsh(np.diag(a) + np.diag(b, 1) + np.diag(b, -1))
-        # weights as reciprocals of the Christoffel sums: the smallest ones stay accurate
-        p = np.ones((n, n))
-        for k in range(n - 1):
-            before = b[k - 1] * p[k - 1] if k else 0.0
-            p[k + 1] = ((nodes - a[k]) * p[k] - before) / b[k]
-        weights = 1.0 / (p * p).sum(axis=0)
+        nodes, weights, p = _rule_of_recurrence(a, b)
         departure = np.abs((p * weights) @ p.T - np.eye(n)).max()
     if not departure <= _DEPARTURE:
         return None

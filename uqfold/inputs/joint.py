@@ -22,9 +22,8 @@ import numpy as np
 from uqfold.checks import array, instance, real, refused, several, whole
 from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.gauss import gauss_rule
-from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, beyond, called
+from uqfold.inputs.marginal import Marginal, WithoutCaches, beyond
 from uqfold.inputs.parts import Parts, check_part
-from uqfold.inputs.python_side import WithoutCaches, uninterrupted
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
@@ -129,31 +128,6 @@ class JointInputs(WithoutCaches):
         return [i for i in range(self.dimension) if i not in linked]
 
     @cached_property
-    def _quick(self) -> list[int]:
-        """Free columns that OpenTURNS maps by itself, all in one call."""
-        return [
-            i
-            for i in self._free
-            if isinstance(column := self.columns[i], OpenTURNSMarginal) and not column.python
-        ]
-
-    @cached_property
-    def _from_normal(self) -> Any:
-        return self._in_one_call(from_normal=True)
-
-    @cached_property
-    def _to_normal(self) -> Any:
-        return self._in_one_call(from_normal=False)
-
-    def _in_one_call(self, *, from_normal: bool) -> Any:
-        import openturns as ot
-
-        standard = [ot.Normal(0.0, 1.0)] * len(self._quick)
-        own = [self.marginals[i] for i in self._quick]
-        given, wanted = (standard, own) if from_normal else (own, standard)
-        return uninterrupted(ot.MarginalTransformationEvaluation(given, wanted))
-
-    @cached_property
     def means(self) -> FloatArray:
         """Means (d,) of the inputs, in their own units."""
         return np.array([column.moments[0] for column in self.columns])
@@ -216,11 +190,8 @@ class JointInputs(WithoutCaches):
 
     def _block_from_normal(self, u: FloatArray) -> FloatArray:
         x = np.empty(u.shape)
-        if self._quick:
-            x[:, self._quick] = _rows(self._from_normal, u[:, self._quick])
         for i in self._free:
-            if i not in self._quick:
-                x[:, i] = self.columns[i].from_normal(u[:, i])
+            x[:, i] = self.columns[i].from_normal(u[:, i])
         for part in self.parts.dependent:
             own = list(part.columns)
             x[:, own] = part.values(u[:, own], [self.columns[i] for i in own])
@@ -228,11 +199,8 @@ class JointInputs(WithoutCaches):
 
     def _block_to_normal(self, x: FloatArray) -> FloatArray:
         u = np.empty(x.shape)
-        if self._quick:
-            u[:, self._quick] = _rows(self._to_normal, x[:, self._quick])
         for i in self._free:
-            if i not in self._quick:
-                u[:, i] = self.columns[i].to_normal(x[:, i])
+            u[:, i] = self.columns[i].to_normal(x[:, i])
         for part in self.parts.dependent:
             own = list(part.columns)
             u[:, own] = part.normals(x[:, own], [self.columns[i] for i in own])
@@ -245,8 +213,7 @@ class JointInputs(WithoutCaches):
     ) -> FloatArray:
         rows = array(name, rows, ("n", self.dimension), finite=False)
         mapped = np.empty(rows.shape)
-        quick = len(self._quick) == self.dimension
-        start, size = 0, _MOST_ROWS if quick else _FIRST_ROWS
+        start, size = 0, _FIRST_ROWS
         while start < len(rows):
             check_time()
             began = time.perf_counter()
@@ -351,12 +318,6 @@ class JointInputs(WithoutCaches):
     def __repr__(self) -> str:
         shared = ", ".join(self.shared_names) or "none"
         return f"JointInputs(shared: {shared}; individual: {', '.join(self.individual_names)})"
-
-
-def _rows(function: Any, rows: FloatArray) -> FloatArray:
-    import openturns as ot
-
-    return np.array(called(function, ot.Sample(rows), python=False), dtype=np.float64)
 
 
 def _changes(

@@ -1,7 +1,8 @@
-"""Distributions that are asked directly instead of through OpenTURNS.
+"""Families of distributions mapped from and to standard-normal values in closed form.
 
-Three kinds: those of SciPy and chaospy that OpenTURNS only wraps, SciPy's own form of families
-that OpenTURNS has too, and truncated distributions, computed from the tail in which they lie.
+Probabilities p are carried as the logarithms of the smaller ones, so that both tails keep their
+digits to probabilities of 1e-300 and beyond: -log(1 - p) is a standard exponential variable, from
+which most families follow by an elementary function.
 """
 
 from __future__ import annotations
@@ -9,302 +10,419 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
+from scipy import special
 
-from uqfold.inputs.marginal import DirectMarginal, Law, OpenTURNSMarginal
-from uqfold.inputs.moments import with_moments
-from uqfold.inputs.python_side import python_object
+from uqfold.inputs.behind import family_of
+from uqfold.inputs.engine import openturns
+from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, beyond
+from uqfold.inputs.moments import checked_moments
 from uqfold.typing import FloatArray
 
-_MEAN_NODES, _MEAN_REACH, _MEAN_PANELS = 24, 8.0, 64
+Map: TypeAlias = Callable[[FloatArray], FloatArray]
+Maps: TypeAlias = tuple[Map, Map]
+"""From standard-normal values (n,), and back."""
+
+_DEEP = 1e-10
+"""Probabilities below which SciPy's quantiles of beta distributions are not relied on."""
+_NODES, _REACH, _PANELS = 24, 37.0, 300
+"""Of the integration of moments, over all probabilities down to 1e-299."""
 
 
-def wrapped(distribution: Any) -> DirectMarginal | None:
-    """Return the direct form of a SciPy or chaospy distribution that OpenTURNS wraps, or None."""
-    import openturns as ot
-
-    behind = python_object(distribution)
-    if isinstance(behind, ot.SciPyDistribution):
-        frozen = behind._dist
-        return DirectMarginal(
-            distribution, frozen, scipy_name(frozen), partial(_moved_scipy, frozen)
-        )
-    if isinstance(behind, ot.ChaospyDistribution):
-        original = behind._dist
-        return DirectMarginal(
-            distribution, ChaospyLaw(original), str(original), partial(with_moments, distribution)
+def closed_form(distribution: Any) -> Marginal | None:
+    """Return the closed form of an OpenTURNS distribution, or None where we have none."""
+    own, family = family_of(distribution)
+    if family in _FAMILIES:
+        return ClosedMarginal(distribution)
+    if family == "TruncatedNormal":
+        base = openturns().Normal(own.getMu(), own.getSigma())
+        return TruncatedMarginal(distribution, ClosedMarginal(base), own.getA(), own.getB())
+    if family == "TruncatedDistribution":
+        base = own.getDistribution()
+        cut = closed_form(base) or OpenTURNSMarginal(base)
+        bounds = own.getBounds()
+        low, high = bounds.getLowerBound()[0], bounds.getUpperBound()[0]
+        return TruncatedMarginal(
+            distribution,
+            cut,
+            low if bounds.getFiniteLowerBound()[0] else -math.inf,
+            high if bounds.getFiniteUpperBound()[0] else math.inf,
         )
     return None
 
 
-def replacement(distribution: Any) -> DirectMarginal | None:
-    """Return our own form of an OpenTURNS distribution that fails its checks, or None."""
-    own = distribution.getImplementation()
-    family = own.getClassName() if hasattr(own, "getClassName") else ""
-    law: Law | None
-    if family == "TruncatedDistribution":
-        law = _truncated(own)
-    else:
-        make = _SCIPY.get(family)
-        law = make(own) if make is not None else None
-    if law is None:
-        return None
-    return DirectMarginal(distribution, law, str(distribution), partial(_moved, own, law))
+class ClosedMarginal(OpenTURNSMarginal):
+    """A family in closed form; what takes no time, and the density, are OpenTURNS' own."""
+
+    @cached_property
+    def _maps(self) -> Maps:
+        own, family = family_of(self.distribution)
+        return _FAMILIES[family](own)
+
+    def from_normal(self, u: FloatArray) -> FloatArray:
+        """See `Marginal`."""
+        with np.errstate(all="ignore"):
+            return np.asarray(self._maps[0](u))
+
+    def to_normal(self, x: FloatArray) -> FloatArray:
+        """See `Marginal`."""
+        with np.errstate(all="ignore"):
+            return beyond(self.bounds, x, self._maps[1](x))
 
 
-def scipy_name(frozen: Any) -> str:
-    """Return a frozen SciPy distribution as one would write it."""
-    given = [f"{value:.12g}" for value in frozen.args]
-    given += [f"{name}={value:.12g}" for name, value in frozen.kwds.items()]
-    return f"scipy.stats.{frozen.dist.name}({', '.join(given)})"
-
-
-@dataclass(frozen=True)
-class ChaospyLaw:
-    """A one-dimensional chaospy distribution, asked as one of SciPy is.
-
-    chaospy knows no survival function, so the upper tail ends at probabilities of 1e-16.
-    """
-
-    own: Any
-
-    def ppf(self, q: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.ravel(self.own.inv(q))
-
-    def isf(self, q: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.ravel(self.own.inv(1.0 - np.maximum(q, 2.0**-53)))
-
-    def cdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.ravel(self.own.cdf(x))
-
-    def sf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return 1.0 - self.cdf(x)
-
-    def pdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.ravel(self.own.pdf(x))
-
-    def logpdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.asarray(np.log(self.pdf(x)))
-
-    def support(self) -> tuple[float, float]:
-        """See `Law`; an infinite bound is not known to chaospy, which cuts it."""
-        return float(np.ravel(self.own.lower)[0]), float(np.ravel(self.own.upper)[0])
-
-    def mean(self) -> float:
-        """See `Law`."""
-        import chaospy
-
-        return float(np.ravel(chaospy.E(self.own))[0])
-
-    def std(self) -> float:
-        """See `Law`."""
-        import chaospy
-
-        return float(np.ravel(chaospy.Std(self.own))[0])
-
-
-@dataclass(frozen=True)
-class TruncatedLaw:
-    """A distribution between two bounds, all in the tail of the base where they lie.
+@dataclass(frozen=True, eq=False)
+class TruncatedMarginal(Marginal):
+    """A distribution between two bounds: a truncated normal variable, mapped as the base is.
 
     Attributes
     ----------
+    distribution
+        See `Marginal`.
     base
         The distribution that is cut.
     low, high
         The bounds, either of which may be infinite.
     """
 
-    base: Law
+    base: Marginal
     low: float
     high: float
 
-    @cached_property
-    def _upper(self) -> bool:
-        """Whether to count from above: where the lower bound lies in the upper half."""
-        return float(self.base.cdf(np.array([self.low]))[0]) > 0.5
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """See `Marginal`."""
+        low, high = self.base.bounds
+        return max(low, self.low), min(high, self.high)
+
+    @property
+    def kinks(self) -> FloatArray:
+        """See `Marginal`."""
+        inside = (self.base.kinks > self.low) & (self.base.kinks < self.high)
+        return np.asarray(self.base.kinks[inside])
 
     @cached_property
-    def _ends(self) -> tuple[float, float, float]:
-        """Lower probability below, upper probability above the bounds, and the mass between."""
-        low, high = np.array([self.low]), np.array([self.high])
-        below, above = float(self.base.cdf(low)[0]), float(self.base.sf(high)[0])
-        if self._upper:
-            return below, above, float(self.base.sf(low)[0]) - above
-        if above > 0.5:
-            return below, above, float(self.base.cdf(high)[0]) - below
-        return below, above, 1.0 - below - above
+    def _ends(self) -> tuple[FloatArray, FloatArray]:
+        """Standard-normal values of the bounds under the base, each (1,)."""
+        low, high = self.base.to_normal(np.array([self.low, self.high]))
+        return np.array([low]), np.array([high])
 
-    def cdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        below, _, mass = self._ends
-        if self._upper:
-            found = float(self.base.sf(np.array([self.low]))[0]) - self.base.sf(x)
-        else:
-            found = self.base.cdf(x) - below
-        return np.where(x >= self.high, 1.0, np.clip(found / mass, 0.0, 1.0))
+    @cached_property
+    def _mass(self) -> float:
+        """Logarithm of the probability between the bounds under the base."""
+        return float(_log_between(*self._ends)[0])
 
-    def sf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        _, above, mass = self._ends
-        if above > 0.5:
-            found = float(self.base.cdf(np.array([self.high]))[0]) - self.base.cdf(x)
-        else:
-            found = self.base.sf(x) - above
-        return np.where(x <= self.low, 1.0, np.clip(found / mass, 0.0, 1.0))
+    def from_normal(self, u: FloatArray) -> FloatArray:
+        """See `Marginal`."""
+        low, high = self._ends
+        below = np.logaddexp(special.log_ndtr(low), special.log_ndtr(u) + self._mass)
+        above = np.logaddexp(special.log_ndtr(-high), special.log_ndtr(-u) + self._mass)
+        return np.clip(self.base.from_normal(_normal_of(below, above)), *self.bounds)
 
-    def ppf(self, q: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return self._between(q, 1.0 - q)
+    def to_normal(self, x: FloatArray) -> FloatArray:
+        """See `Marginal`."""
+        low, high = self._ends
+        v = np.clip(self.base.to_normal(x), low, high)
+        u = _normal_of(_log_between(low, v) - self._mass, _log_between(v, high) - self._mass)
+        return beyond(self.bounds, x, u)
 
-    def isf(self, q: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return self._between(1.0 - q, q)
-
-    def _between(self, lower: FloatArray, upper: FloatArray) -> FloatArray:
-        """Quantiles of lower and upper probabilities that add up to one."""
-        below, above, mass = self._ends
-        from_below, from_above = below + lower * mass, above + upper * mass
-        in_lower = from_below < from_above
-        x = np.empty(lower.shape)
-        x[in_lower] = self.base.ppf(from_below[in_lower])
-        x[~in_lower] = self.base.isf(from_above[~in_lower])
-        return np.clip(x, self.low, self.high)
-
-    def pdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
-        return np.asarray(np.exp(self.logpdf(x)))
-
-    def logpdf(self, x: FloatArray) -> FloatArray:
-        """See `Law`."""
+    def log_pdf(self, x: FloatArray) -> FloatArray:
+        """See `Marginal`."""
         inside = (x >= self.low) & (x <= self.high)
-        return np.where(inside, self.base.logpdf(x) - math.log(self._ends[2]), -np.inf)
+        return np.where(inside, self.base.log_pdf(x) - self._mass, -np.inf)
 
-    def support(self) -> tuple[float, float]:
-        """See `Law`."""
-        return self.low, self.high
+    @cached_property
+    def moments(self) -> tuple[float, float]:
+        """See `Marginal`; integrated over the standard-normal variable."""
+        edges = np.linspace(-_REACH, _REACH, _PANELS + 1)
+        node, weight = np.polynomial.legendre.leggauss(_NODES)
+        half = 0.5 * np.diff(edges)[:, None]
+        u = (0.5 * (edges[1:] + edges[:-1])[:, None] + half * node).ravel()
+        p = (half * weight).ravel() * np.exp(-0.5 * u * u)
+        p /= p.sum()
+        x = self.from_normal(u)
+        with np.errstate(all="ignore"):
+            centre = float(np.median(x))
+            mean = float(p @ (x - centre))
+            squares = p * (x - centre - mean) ** 2
+            variance = float(squares.sum())
+            outermost = float(squares[np.abs(u) > 0.9 * _REACH].sum())
+        if not (math.isfinite(variance) and outermost <= 1e-6 * variance):
+            raise ValueError(f"{self} has no finite mean and standard deviation")
+        return centre + mean, math.sqrt(variance)
 
-    def mean(self) -> float:
-        """See `Law`."""
-        return _moments_by_quantiles(self)[0]
-
-    def std(self) -> float:
-        """See `Law`."""
-        return _moments_by_quantiles(self)[1]
-
-
-@dataclass(frozen=True)
-class _OpenTURNSLaw:
-    """An OpenTURNS distribution, asked as one of SciPy is."""
-
-    own: OpenTURNSMarginal
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        renamed = {"ppf": "quantile", "isf": "upper_quantile", "logpdf": "log_pdf"}
-        return getattr(self.own, renamed.get(name, name))
+    def with_moments(self, mean: float, std: float) -> Any:
+        """See `Marginal`; it is shifted and stretched."""
+        checked_moments(mean, std)
+        ratio = std / self.moments[1]
+        shift = mean - ratio * self.moments[0]
+        ot = openturns()
+        if (
+            isinstance(self.base, ClosedMarginal)
+            and family_of(self.base.distribution)[1] == "Normal"
+        ):
+            centre, spread = self.base.moments
+            low, high = (ratio * bound + shift for bound in (self.low, self.high))
+            if math.isfinite(low) and math.isfinite(high):
+                return ot.Distribution(
+                    ot.TruncatedNormal(ratio * centre + shift, ratio * spread, low, high)
+                )
+        return ratio * ot.Distribution(self.distribution) + shift
 
 
-def _truncated(own: Any) -> Law | None:
-    bounds = own.getBounds()
-    low = bounds.getLowerBound()[0] if bounds.getFiniteLowerBound()[0] else -math.inf
-    high = bounds.getUpperBound()[0] if bounds.getFiniteUpperBound()[0] else math.inf
-    base = own.getDistribution()
-    family = base.getImplementation().getClassName()
-    if family == "Normal":
-        return _truncated_normal(base.getMean()[0], base.getStandardDeviation()[0], low, high)
-    inner = _SCIPY.get(family)
-    law = (
-        _OpenTURNSLaw(OpenTURNSMarginal(base)) if inner is None else inner(base.getImplementation())
+def _normal_of(below: FloatArray, above: FloatArray) -> FloatArray:
+    """Standard-normal values of logarithms of lower and of upper probabilities."""
+    smaller = special.ndtri_exp(np.minimum(below, above))
+    return np.asarray(np.where(below < above, smaller, -smaller))
+
+
+def _log_between(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Logarithm of the probability between two standard-normal values."""
+    upper = low > 0.0
+    larger = special.log_ndtr(np.where(upper, -low, high))
+    smaller = special.log_ndtr(np.where(upper, -high, low))
+    with np.errstate(divide="ignore"):
+        return np.asarray(larger + np.log(-np.expm1(smaller - larger)))
+
+
+def _upper(u: FloatArray) -> FloatArray:
+    """Return -log of the upper probability: standard exponential."""
+    return np.asarray(-special.log_ndtr(-u))
+
+
+def _of_upper(h: FloatArray) -> FloatArray:
+    return np.asarray(-special.ndtri_exp(-h))
+
+
+def _lower(u: FloatArray) -> FloatArray:
+    """Return -log of the lower probability."""
+    return np.asarray(-special.log_ndtr(u))
+
+
+def _of_lower(h: FloatArray) -> FloatArray:
+    return np.asarray(special.ndtri_exp(-h))
+
+
+def _located(origin: float, scale: float, from_normal: Map, to_normal: Map) -> Maps:
+    """Shift and stretch the standard form of a family."""
+    return (
+        lambda u: origin + scale * from_normal(u),
+        lambda x: to_normal((x - origin) / scale),
     )
-    return TruncatedLaw(law, float(low), float(high))
 
 
-def _truncated_normal(mean: float, std: float, low: float, high: float) -> Law:
-    from scipy import stats
+def _by_tails(lower: Map, upper: Map, below: Map, above: Map) -> Maps:
+    """Maps from quantiles of lower and of upper probabilities, and from both probabilities."""
 
-    law: Law = stats.truncnorm((low - mean) / std, (high - mean) / std, mean, std)
-    return law
+    def from_normal(u: FloatArray) -> FloatArray:
+        low = u <= 0.0
+        x = np.empty(u.shape)
+        x[low] = lower(special.ndtr(u[low]))
+        x[~low] = upper(special.ndtr(-u[~low]))
+        return x
 
+    def to_normal(x: FloatArray) -> FloatArray:
+        p, q = below(x), above(x)
+        u = special.ndtri(np.minimum(p, q))
+        return np.asarray(np.where(p < q, u, -u))
 
-def _moments_by_quantiles(law: Any) -> tuple[float, float]:
-    """Mean and standard deviation, integrated over the standard-normal variable."""
-    edges = np.linspace(-_MEAN_REACH, _MEAN_REACH, _MEAN_PANELS + 1)
-    x, w = np.polynomial.legendre.leggauss(_MEAN_NODES)
-    half = 0.5 * np.diff(edges)[:, None]
-    u = (0.5 * (edges[1:] + edges[:-1])[:, None] + half * x).ravel()
-    p = (half * w).ravel() * np.exp(-0.5 * u * u)
-    p /= p.sum()
-    from scipy.special import ndtr
-
-    values = np.where(u <= 0.0, law.ppf(ndtr(u)), law.isf(ndtr(-u)))
-    centre = float(np.median(values))
-    mean = float(p @ (values - centre))
-    return centre + mean, math.sqrt(float(p @ (values - centre - mean) ** 2))
+    return from_normal, to_normal
 
 
-def _moved_scipy(frozen: Any, mean: float, std: float) -> Any:
-    """Return a SciPy distribution shifted and stretched, in OpenTURNS form."""
-    import openturns as ot
+def _normal(d: Any) -> Maps:
+    mean, std = d.getParameter()
+    return _located(mean, std, np.asarray, np.asarray)
 
-    shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
-    ratio = std / float(frozen.std())
-    moved = frozen.dist(
-        *shapes, loc=(loc - float(frozen.mean())) * ratio + mean, scale=scale * ratio
+
+def _lognormal(d: Any) -> Maps:
+    origin, mu, sigma = d.getGamma(), d.getMuLog(), d.getSigmaLog()
+    return (
+        lambda u: origin + np.exp(mu + sigma * u),
+        lambda x: (np.log(x - origin) - mu) / sigma,
     )
-    return ot.Distribution(ot.SciPyDistribution(moved))
 
 
-def _moved(own: Any, law: Law, mean: float, std: float) -> Any:
-    """Return an OpenTURNS distribution that was replaced, shifted and stretched."""
-    import openturns as ot
-
-    own_mean, ratio = float(law.mean()), std / float(law.std())
-    if own.getClassName() == "TruncatedNormal":
-        low, high = ((bound - own_mean) * ratio + mean for bound in (own.getA(), own.getB()))
-        return ot.Distribution(
-            ot.TruncatedNormal(
-                (own.getMu() - own_mean) * ratio + mean, own.getSigma() * ratio, low, high
-            )
-        )
-    return (ot.Distribution(own) - own_mean) * ratio + mean
+def _uniform(d: Any) -> Maps:
+    low, high = d.getA(), d.getB()
+    width = high - low
+    return _by_tails(
+        lambda p: low + width * p,
+        lambda q: high - width * q,
+        lambda x: (x - low) / width,
+        lambda x: (high - x) / width,
+    )
 
 
-def _scipy(name: str, shapes: tuple[float, ...], loc: float, scale: float) -> Law:
-    from scipy import stats
-
-    law: Law = getattr(stats, name)(*shapes, loc=loc, scale=scale)
-    return law
+def _exponential(d: Any) -> Maps:
+    return _located(d.getGamma(), 1.0 / d.getLambda(), _upper, _of_upper)
 
 
-_SCIPY: dict[str, Callable[[Any], Law]] = {
-    "Normal": lambda d: _scipy("norm", (), d.getMean()[0], d.getStandardDeviation()[0]),
-    "Uniform": lambda d: _scipy("uniform", (), d.getA(), d.getB() - d.getA()),
-    "Exponential": lambda d: _scipy("expon", (), d.getGamma(), 1.0 / d.getLambda()),
-    "Gamma": lambda d: _scipy("gamma", (d.getK(),), d.getGamma(), 1.0 / d.getLambda()),
-    "Beta": lambda d: _scipy("beta", (d.getAlpha(), d.getBeta()), d.getA(), d.getB() - d.getA()),
-    "LogNormal": lambda d: _scipy(
-        "lognorm", (d.getSigmaLog(),), d.getGamma(), math.exp(d.getMuLog())
-    ),
-    "WeibullMin": lambda d: _scipy("weibull_min", (d.getAlpha(),), d.getGamma(), d.getBeta()),
-    "Gumbel": lambda d: _scipy("gumbel_r", (), d.getGamma(), d.getBeta()),
-    "GeneralizedExtremeValue": lambda d: _scipy(
-        "genextreme", (-d.getXi(),), d.getMu(), d.getSigma()
-    ),
-    "Logistic": lambda d: _scipy("logistic", (), d.getMu(), d.getBeta()),
-    "Student": lambda d: _scipy("t", (d.getNu(),), d.getMean()[0], d.getSigma()[0]),
-    "Pareto": lambda d: _scipy("pareto", (d.getAlpha(),), d.getGamma(), d.getBeta()),
-    "Rayleigh": lambda d: _scipy("rayleigh", (), d.getGamma(), d.getBeta()),
-    "TruncatedNormal": lambda d: _truncated_normal(d.getMu(), d.getSigma(), d.getA(), d.getB()),
+def _weibull_min(d: Any) -> Maps:
+    k = d.getAlpha()
+    return _located(
+        d.getGamma(), d.getBeta(), lambda u: _upper(u) ** (1.0 / k), lambda z: _of_upper(z**k)
+    )
+
+
+def _weibull_max(d: Any) -> Maps:
+    k = d.getAlpha()
+    return _located(
+        d.getGamma(), -d.getBeta(), lambda u: _lower(u) ** (1.0 / k), lambda z: _of_lower(z**k)
+    )
+
+
+def _rayleigh(d: Any) -> Maps:
+    return _located(
+        d.getGamma(),
+        d.getBeta(),
+        lambda u: np.sqrt(2.0 * _upper(u)),
+        lambda z: _of_upper(0.5 * z * z),
+    )
+
+
+def _gumbel(d: Any) -> Maps:
+    return _located(
+        d.getGamma(),
+        d.getBeta(),
+        lambda u: -np.log(_lower(u)),
+        lambda z: _of_lower(np.exp(-z)),
+    )
+
+
+def _frechet(d: Any) -> Maps:
+    k = d.getAlpha()
+    return _located(
+        d.getGamma(), d.getBeta(), lambda u: _lower(u) ** (-1.0 / k), lambda z: _of_lower(z**-k)
+    )
+
+
+def _pareto(d: Any) -> Maps:
+    k = d.getAlpha()
+    return _located(
+        d.getGamma(),
+        d.getBeta(),
+        lambda u: np.exp(_upper(u) / k),
+        lambda z: _of_upper(k * np.log(z)),
+    )
+
+
+def _logistic(d: Any) -> Maps:
+    return _located(
+        d.getMu(),
+        d.getBeta(),
+        lambda u: _upper(u) - _lower(u),
+        lambda z: _normal_of(-np.logaddexp(0.0, -z), -np.logaddexp(0.0, z)),
+    )
+
+
+def _gamma(d: Any) -> Maps:
+    k, origin, scale = d.getK(), d.getGamma(), 1.0 / d.getLambda()
+    return _by_tails(
+        lambda p: origin + scale * special.gammaincinv(k, p),
+        lambda q: origin + scale * special.gammainccinv(k, q),
+        lambda x: special.gammainc(k, (x - origin) / scale),
+        lambda x: special.gammaincc(k, (x - origin) / scale),
+    )
+
+
+def _beta(d: Any) -> Maps:
+    a, b, low, high = d.getAlpha(), d.getBeta(), d.getA(), d.getB()
+    width = high - low
+    return _by_tails(
+        lambda p: low + width * _beta_quantile(a, b, p),
+        lambda q: high - width * _beta_quantile(b, a, q),
+        lambda x: special.betainc(a, b, (x - low) / width),
+        lambda x: special.betainc(b, a, (high - x) / width),
+    )
+
+
+def _triangular(d: Any) -> Maps:
+    low, high = d.getA(), d.getB()
+    width = high - low
+    mode = (d.getM() - low) / width
+
+    def quantile(p: FloatArray, top: float) -> FloatArray:
+        return np.where(p < top, np.sqrt(p * top), 1.0 - np.sqrt((1.0 - p) * (1.0 - top)))
+
+    def below(z: FloatArray, top: float) -> FloatArray:
+        return np.where(z < top, z * z / top, 1.0 - (1.0 - z) ** 2 / (1.0 - top))
+
+    return _by_tails(
+        lambda p: low + width * quantile(p, mode),
+        lambda q: high - width * quantile(q, 1.0 - mode),
+        lambda x: below((x - low) / width, mode),
+        lambda x: below((high - x) / width, 1.0 - mode),
+    )
+
+
+def _laplace(d: Any) -> Maps:
+    centre, scale = d.getMu(), 1.0 / d.getLambda()
+    return _by_tails(
+        lambda p: centre + scale * np.log(2.0 * p),
+        lambda q: centre - scale * np.log(2.0 * q),
+        lambda x: 0.5 * np.exp((x - centre) / scale),
+        lambda x: 0.5 * np.exp((centre - x) / scale),
+    )
+
+
+def _student(d: Any) -> Maps:
+    nu, centre, scale = d.getParameter()
+
+    def quantile(p: FloatArray) -> FloatArray:
+        tail = p < 0.25
+        share = _beta_quantile(0.5 * nu, 0.5, 2.0 * p[tail])
+        rest = _beta_quantile(0.5, 0.5 * nu, 1.0 - 2.0 * p[~tail])
+        ratio = np.empty(p.shape)
+        ratio[tail], ratio[~tail] = (1.0 - share) / share, rest / (1.0 - rest)
+        return np.asarray(-np.sqrt(nu * ratio))
+
+    def below(z: FloatArray) -> FloatArray:
+        half = 0.5 * special.betainc(0.5 * nu, 0.5, nu / (nu + z * z))
+        return np.asarray(np.where(z < 0.0, half, 1.0 - half))
+
+    return _by_tails(
+        lambda p: centre + scale * quantile(p),
+        lambda q: centre - scale * quantile(q),
+        lambda x: below((x - centre) / scale),
+        lambda x: below((centre - x) / scale),
+    )
+
+
+def _beta_quantile(a: float, b: float, p: FloatArray) -> FloatArray:
+    """Quantiles of a standard beta distribution; the library's search gives up far out."""
+    z = np.asarray(special.betaincinv(a, b, p))
+    deep = (p < _DEEP) & (p > 0.0)
+    if deep.any():
+        log_p, beta = np.log(p[deep]), special.betaln(a, b)
+        found = z[deep] > 0.0
+        log_z = np.where(found, np.log(z[deep]), (log_p + math.log(a) + beta) / a)
+        for _ in range(8):  # Newton's method: the logarithms are almost proportional
+            z[deep] = np.exp(log_z)
+            reached = np.log(special.betainc(a, b, z[deep]))
+            slope = np.exp(a * log_z + (b - 1.0) * np.log1p(-z[deep]) - beta - reached)
+            log_z -= np.where(np.isfinite(reached), (reached - log_p) / slope, 0.0)
+        z[deep] = np.exp(log_z)
+    return z
+
+
+_FAMILIES: dict[str, Callable[[Any], Maps]] = {
+    "Beta": _beta,
+    "Exponential": _exponential,
+    "Frechet": _frechet,
+    "Gamma": _gamma,
+    "Gumbel": _gumbel,
+    "Laplace": _laplace,
+    "LogNormal": _lognormal,
+    "Logistic": _logistic,
+    "Normal": _normal,
+    "Pareto": _pareto,
+    "Rayleigh": _rayleigh,
+    "Student": _student,
+    "Triangular": _triangular,
+    "Uniform": _uniform,
+    "WeibullMax": _weibull_max,
+    "WeibullMin": _weibull_min,
 }
-"""OpenTURNS family -> the same distribution by SciPy."""
+"""Class of an OpenTURNS distribution -> its maps from and to standard-normal values."""

@@ -12,11 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.inputs.behind import family_of
+from uqfold.inputs.engine import openturns
+
 _ROUNDING = 1e-9
 
 
 def with_moments(marginal: Any, mean: float, std: float) -> Any:
-    """Give a marginal of the same kind with another mean and standard deviation.
+    """Return a marginal of the same kind with another mean and standard deviation.
 
     Parameters
     ----------
@@ -35,12 +38,10 @@ def with_moments(marginal: Any, mean: float, std: float) -> Any:
         If the values are not finite, `std` is not positive, the marginal has no finite moments,
         or its family cannot have these.
     """
-    if not (math.isfinite(mean) and math.isfinite(std) and std > 0.0):
-        raise ValueError(f"mean {mean}, standard deviation {std}: must be finite, the latter > 0")
+    checked_moments(mean, std)
     own_mean, own_std = finite_moments(marginal)
-    own = marginal.getImplementation() if hasattr(marginal, "getImplementation") else marginal
-    # what is written in Python has no class name
-    make = _FAMILIES.get(str(own.getClassName())) if hasattr(own, "getClassName") else None
+    own, family = family_of(marginal)
+    make = _FAMILIES.get(family)
     if make is not None:
         try:
             made = make(own, mean, std)
@@ -53,8 +54,20 @@ def with_moments(marginal: Any, mean: float, std: float) -> Any:
     return (marginal - own_mean) * (std / own_std) + mean
 
 
+def checked_moments(mean: float, std: float) -> None:
+    """Check a mean and a standard deviation.
+
+    Raises
+    ------
+    ValueError
+        If they are not finite, or the latter is not positive.
+    """
+    if not (math.isfinite(mean) and math.isfinite(std) and std > 0.0):
+        raise ValueError(f"mean {mean}, standard deviation {std}: must be finite, the latter > 0")
+
+
 def finite_moments(marginal: Any) -> tuple[float, float]:
-    """Mean and standard deviation of a marginal.
+    """Return mean and standard deviation of a marginal.
 
     Raises
     ------
@@ -71,32 +84,27 @@ def finite_moments(marginal: Any) -> tuple[float, float]:
 
 
 def _normal(_: Any, mean: float, std: float) -> Any:
-    import openturns as ot
-
+    ot = openturns()
     return ot.Normal(mean, std)
 
 
 def _lognormal(own: Any, mean: float, std: float) -> Any:
-    import openturns as ot
-
+    ot = openturns()
     return ot.LogNormalMuSigma(mean, std, own.getGamma()).getDistribution()
 
 
 def _gamma(own: Any, mean: float, std: float) -> Any:
-    import openturns as ot
-
+    ot = openturns()
     return ot.GammaMuSigma(mean, std, own.getGamma()).getDistribution()
 
 
 def _weibull(own: Any, mean: float, std: float) -> Any:
-    import openturns as ot
-
+    ot = openturns()
     return ot.WeibullMinMuSigma(mean, std, own.getGamma()).getDistribution()
 
 
 def _beta(own: Any, mean: float, std: float) -> Any:
-    import openturns as ot
-
+    ot = openturns()
     return ot.BetaMuSigma(mean, std, own.getA(), own.getB()).getDistribution()
 
 

@@ -15,7 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.inputs.behind import family_of
 from uqfold.inputs.dependence import CopulaPart, JointPart, NormalPart, Part
+from uqfold.inputs.engine import openturns
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
 from uqfold.typing import FloatArray
 
@@ -54,8 +56,7 @@ class Parts:
 
     def joined(self) -> Any:
         """Return the joint distribution in OpenTURNS form, columns in this order."""
-        import openturns as ot
-
+        ot = openturns()
         marginals = list(self.marginals)
         if not self.dependent:
             return ot.JointDistribution(marginals)
@@ -84,7 +85,7 @@ def taken_apart(distribution: Any) -> Parts:
     marginals = tuple(distribution.getMarginal(i) for i in range(d))
     if d == 1 or distribution.hasIndependentCopula():
         return Parts(marginals, ())
-    family, own = _implementation(distribution)
+    own, family = family_of(distribution)
     columns = tuple(range(d))
     if family == "Normal":
         return Parts(marginals, _normal_parts(np.array(own.getCorrelation())))
@@ -106,7 +107,7 @@ def _parts_of_copula(copula: Any) -> tuple[Part, ...]:
     d = copula.getDimension()
     if d == 1 or copula.hasIndependentCopula():
         return ()
-    family, own = _implementation(copula)
+    own, family = family_of(copula)
     if family == "NormalCopula":
         return _normal_parts(np.array(own.getShapeMatrix()))
     if family == "BlockIndependentCopula":
@@ -156,15 +157,6 @@ def _shifted(parts: Sequence[Part], ahead: int) -> tuple[Part, ...]:
     )
 
 
-def _implementation(distribution: Any) -> tuple[str, Any]:
-    own = (
-        distribution.getImplementation()
-        if hasattr(distribution, "getImplementation")
-        else distribution
-    )
-    return (str(own.getClassName()) if hasattr(own, "getClassName") else ""), own
-
-
 def check_part(part: Part, marginals: Sequence[Marginal], names: Sequence[str]) -> None:
     """Check that a dependent part leads there and back, and what one row of it costs.
 
@@ -204,7 +196,7 @@ def check_part(part: Part, marginals: Sequence[Marginal], names: Sequence[str]) 
                 "joint distribution as marginals and a copula"
             )
     k = len(part.columns)
-    if k > 2 and _implementation(part.own)[0] == "MarginalDistribution":  # type: ignore[attr-defined]
+    if k > 2 and family_of(part.own)[1] == "MarginalDistribution":  # type: ignore[attr-defined]
         raise ValueError(f"{called} is known in this order only by integration: {remedy}")
     u = np.array([[level * (-1.0) ** i for i in range(k)] for level in _PROBE])
     try:

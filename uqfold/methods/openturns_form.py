@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
@@ -18,9 +18,10 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 import numpy as np
 
 from uqfold.checks import choice, keep, real, refused, several, whole
-from uqfold.evaluation import BudgetExceededError, FailedRunError
+from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs
-from uqfold.inputs.python_side import reclaim_interrupt
+from uqfold.inputs.engine import openturns
+from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import (
     LOOSE_RESIDUAL,
@@ -220,10 +221,10 @@ class OpenTURNSFORM(ReliabilityMethod):
         point: FloatArray,
     ) -> None:
         """Run OpenTURNS' FORM once; every gradient on its way goes into the search's trace."""
-        import openturns as ot
-
+        ot = openturns()
         start = search.start
         raised: list[BaseException] = []
+        deferred = DeferredInterrupt()
 
         def margin(u: Any) -> list[list[float]]:
             y = response.values(np.array(u))
@@ -235,36 +236,32 @@ class OpenTURNSFORM(ReliabilityMethod):
             search.trace.append((here, algorithm))
             return [[-value] for value in (here.gradient / start.slope).tolist()]
 
-        function = ot.Function(
-            ot.PythonFunction(
-                start.u.size,
-                1,
-                func_sample=_noting(raised, margin),
-                gradient=_noting(raised, gradient),
+        noted_margin = _noting(raised, deferred, margin)
+        noted_gradient = _noting(raised, deferred, gradient)
+        with deferred, _silent(ot):
+            function = ot.Function(
+                ot.PythonFunction(
+                    start.u.size, 1, func_sample=noted_margin, gradient=noted_gradient
+                )
             )
-        )
-        differences = ot.CenteredFiniteDifferenceHessian(self.step, function.getEvaluation())
-        function.setHessian(differences)
-        inputs = ot.RandomVector(ot.Normal(start.u.size))
-        event = ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Less(), 0.0)
-        solver = getattr(ot, algorithm)()
-        solver.setStartingPoint(point.tolist())
-        solver.setMaximumIterationNumber(self.max_iterations)
-        solver.setMaximumCallsNumber(20 * self.max_iterations)
-        solver.setCheckStatus(False)
-        for kind in ("Absolute", "Relative", "Residual", "Constraint"):
-            getattr(solver, f"setMaximum{kind}Error")(0.5 * self.tolerance)
-        form = ot.FORM(solver, event)
-        with _silent(ot):
-            try:
+            differences = ot.CenteredFiniteDifferenceHessian(self.step, function.getEvaluation())
+            function.setHessian(differences)
+            inputs = ot.RandomVector(ot.Normal(start.u.size))
+            event = ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Less(), 0.0)
+            solver = getattr(ot, algorithm)()
+            solver.setStartingPoint(point.tolist())
+            solver.setMaximumIterationNumber(self.max_iterations)
+            solver.setMaximumCallsNumber(20 * self.max_iterations)
+            solver.setCheckStatus(False)
+            for kind in ("Absolute", "Relative", "Residual", "Constraint"):
+                getattr(solver, f"setMaximum{kind}Error")(0.5 * self.tolerance)
+            form = ot.FORM(solver, event)
+            # OpenTURNS rejects its own point, or passes on what the response raised: in both cases
+            # the trace tells how near the search came
+            with suppress(RuntimeError, TypeError, NoGradientError):
                 form.run()
                 # an algorithm without gradients has taken none at its point
-                gradient(form.getResult().getStandardSpaceDesignPoint())
-            except (RuntimeError, TypeError, NoGradientError) as error:
-                # OpenTURNS rejects its own point, or passes on what the response raised: in both
-                # cases the trace tells how near the search came
-                if isinstance(error, BudgetExceededError | FailedRunError):
-                    raise
+                noted_gradient(form.getResult().getStandardSpaceDesignPoint())
         fatal = [error for error in raised if not isinstance(error, NoGradientError)]
         if fatal:
             raise fatal[0]
@@ -285,14 +282,16 @@ def _design_points(
 
 
 def _noting(
-    raised: list[BaseException], function: Callable[[Any], list[list[float]]]
+    raised: list[BaseException],
+    deferred: DeferredInterrupt,
+    function: Callable[[Any], list[list[float]]],
 ) -> Callable[[Any], list[list[float]]]:
-    """Keep what `function` raises: OpenTURNS turns it into a RuntimeError of its own."""
+    """Keep what `function`, or Ctrl-C, raises: OpenTURNS makes a RuntimeError of its own of it."""
 
     def noted(u: Any) -> list[list[float]]:
         try:
-            reclaim_interrupt()
-            return function(u)
+            with deferred.let_in():
+                return function(u)
         except BaseException as error:
             raised.append(error)
             raise

@@ -11,7 +11,8 @@ import numpy as np
 
 from uqfold.checks import keep, real, whole
 from uqfold.evaluation import TimeLimitError
-from uqfold.inputs.python_side import reclaim_interrupt
+from uqfold.inputs.engine import openturns
+from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_stream import RandomStream
@@ -161,19 +162,18 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         self, task: Task, event: SystemEvent, block_size: int, blocks: int, share: int | None
     ) -> tuple[SimulationRun, float, str]:
         """Run OpenTURNS on one event; also give its coefficient of variation, and what cut it."""
-        import openturns as ot
-
+        ot = openturns()
         session = task.session
         limit = math.inf if share is None else session.n_evals + share
         n = failures = open_samples = 0
         raised: list[BaseException] = []
+        deferred = DeferredInterrupt()
         stream = RandomStream(_seed(task.seed, event.criterion))
 
         def margins(u: Any) -> list[list[float]]:
             nonlocal n, failures, open_samples
             try:
-                reclaim_interrupt()
-                with stream.put_aside():
+                with stream.put_aside(), deferred.let_in():
                     low, high = event.margin_bounds(np.array(u), task.session.evaluate)
             except BaseException as error:
                 # OpenTURNS turns it into a RuntimeError of its own
@@ -187,25 +187,26 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         def worst_block_does_not_fit() -> bool:
             return session.n_evals + block_size * event.max_evals_per_sample > limit
 
-        function = ot.PythonFunction(event.dimension, 1, func_sample=margins)
-        inputs = ot.RandomVector(ot.JointDistribution([ot.Normal()] * event.dimension))
-        algorithm = ot.ProbabilitySimulationAlgorithm(
-            ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Greater(), 0.0),
-            ot.MonteCarloExperiment(),
-        )
-        algorithm.setMaximumCoefficientOfVariation(self.target_cov)
-        algorithm.setMaximumStandardDeviation(0.0)
-        algorithm.setBlockSize(block_size)
-        algorithm.setMaximumOuterSampling(blocks)
-        algorithm.setStopCallback(worst_block_does_not_fit)
-        with stream.drawn_from():
-            try:
-                algorithm.run()
-            except RuntimeError:
-                if not raised:
-                    raise
-                if n == 0 or not isinstance(raised[0], TimeLimitError):
-                    raise raised[0] from None
+        with deferred:
+            function = ot.PythonFunction(event.dimension, 1, func_sample=margins)
+            inputs = ot.RandomVector(ot.JointDistribution([ot.Normal()] * event.dimension))
+            algorithm = ot.ProbabilitySimulationAlgorithm(
+                ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Greater(), 0.0),
+                ot.MonteCarloExperiment(),
+            )
+            algorithm.setMaximumCoefficientOfVariation(self.target_cov)
+            algorithm.setMaximumStandardDeviation(0.0)
+            algorithm.setBlockSize(block_size)
+            algorithm.setMaximumOuterSampling(blocks)
+            algorithm.setStopCallback(worst_block_does_not_fit)
+            with stream.drawn_from():
+                try:
+                    algorithm.run()
+                except RuntimeError:
+                    if not raised:
+                        raise
+                    if n == 0 or not isinstance(raised[0], TimeLimitError):
+                        raise raised[0] from None
         run = SimulationRun(event.criterion, n, failures, open_samples, block_size)
         if raised:
             # the blocks before the wall-clock limit are an answer

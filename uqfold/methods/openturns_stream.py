@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from uqfold.inputs.engine import openturns
+
 _LENT = threading.Lock()
 """Held while the generator is a simulation's; never while a model runs."""
 
@@ -27,7 +29,7 @@ class RandomStream:
     """
 
     def __init__(self, seed: int) -> None:
-        self._seed, self._held = seed, False
+        self._seed = seed
         self._own: Any = None
         self._others: Any = None
 
@@ -50,10 +52,8 @@ class RandomStream:
             self._take()
 
     def _take(self) -> None:
-        import openturns as ot
-
+        ot = openturns()
         _LENT.acquire()
-        self._held = True
         self._others = ot.RandomGenerator.GetState()
         if self._own is None:
             ot.RandomGenerator.SetSeed(self._seed)
@@ -61,11 +61,7 @@ class RandomStream:
             ot.RandomGenerator.SetState(self._own)
 
     def _give_back(self) -> None:
-        import openturns as ot
-
-        # Ctrl-C may have come while it was waited for
-        if self._held:
-            self._own = ot.RandomGenerator.GetState()
-            ot.RandomGenerator.SetState(self._others)
-            self._held = False
-            _LENT.release()
+        ot = openturns()
+        self._own = ot.RandomGenerator.GetState()
+        ot.RandomGenerator.SetState(self._others)
+        _LENT.release()
