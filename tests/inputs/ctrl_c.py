@@ -28,9 +28,9 @@ from uqfold.methods import (
 )
 
 METHODS = {
-    "mc": MonteCarlo(systems=10**5),
+    "mc": MonteCarlo(systems=10**4),
     "conditional-mc": ConditionalMonteCarlo(),
-    "openturns-mc": OpenTURNSMonteCarlo(max_samples=10**5, target_cov=1e-9, block_size=200),
+    "openturns-mc": OpenTURNSMonteCarlo(max_samples=10**4, target_cov=1e-9, block_size=200),
     "openturns-form": OpenTURNSFORM(),
     "ffni-spa": FFNISaddlepoint(),
 }

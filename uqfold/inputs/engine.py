@@ -15,7 +15,6 @@ is at least put back whenever OpenTURNS calls one of our functions.
 from __future__ import annotations
 
 import ctypes
-import importlib
 import mmap
 import sys
 import threading
@@ -44,7 +43,8 @@ _kept_out = False
 def openturns() -> Any:
     """Return the module `openturns`, which from then on leaves Ctrl-C to Python."""
     global _kept_out  # noqa: PLW0603
-    module = importlib.import_module("openturns")
+    import openturns as module
+
     if not _kept_out:
         with _lock:
             if not _kept_out and sys.platform == "linux" and sys.maxsize > 2**32:
