@@ -49,9 +49,11 @@ def _judge_grid(
     method: ReliabilityMethod, system: LinearNormalSystem, asked: list[Criterion], s: Settings
 ) -> int:
     result = method.estimate(system.problem(), asked, max_evals=s.max_evals, rng=21)
-    for criterion, row in zip(asked, result, strict=True):
+    rows = zip(asked, result, strict=True)
+    answered = [(criterion, row) for criterion, row in rows if row.status not in NO_ANSWER]
+    for criterion, row in answered:
         judge(method, row, system.pf(criterion), s, f"{system.units} units, {criterion}")
-    return sum(row.status not in NO_ANSWER for row in result)
+    return len(answered)
 
 
 def check_one_unit_is_exact(method: ReliabilityMethod, settings: Settings) -> None:

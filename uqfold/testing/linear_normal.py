@@ -66,8 +66,8 @@ class LinearNormalSystem:
     def pf(self, criterion: Criterion) -> float:
         """Exact failure probability, to about 1e-12 relative."""
         instance("criterion", criterion, Criterion, "give a Criterion")
-        v, weights = normal_rule(*self._transition(criterion))
-        one = np.array([self._mission_failure(criterion, value) for value in v])
+        v, weights = normal_rule(self._transition(criterion))
+        one = self._mission_failure(criterion, v)
         missions = criterion.missions
         if isinstance(missions, Binomial):
             failure = -np.expm1(missions.planned * np.log1p(-missions.p * one))
@@ -83,33 +83,40 @@ class LinearNormalSystem:
         middle = (criterion.threshold - self.mean) / self.shared_std
         return np.asarray(middle + self.individual_std / self.shared_std * upper)
 
-    def _mission_failure(self, criterion: Criterion, v: float) -> float:
+    def _mission_failure(self, criterion: Criterion, v: FloatArray) -> FloatArray:
+        """Failure probability of one mission given each of the values V (n,)."""
         from scipy.special import ndtr
 
-        mean = self.mean + self.shared_std * v
-        upper = (criterion.threshold - mean) / self.individual_std
-        late = -math.expm1(self.units * math.log1p(-min(float(ndtr(-upper)), _ALMOST_SURE)))
+        upper = (criterion.threshold - self.mean - self.shared_std * v) / self.individual_std
+        one_late = np.minimum(ndtr(-upper), _ALMOST_SURE)
+        late = -np.expm1(self.units * np.log1p(-one_late))
         if criterion.tau is None:
-            return min(late, _ALMOST_SURE)
+            return np.asarray(np.minimum(late, _ALMOST_SURE))
         width = criterion.tau / self.individual_std
+        upper = upper[:, None]
         # smallest response z: in time, but the others do not all lie within the width
-        z, weights = normal_rule(upper - width, upper)
+        z, weights = normal_rule(np.concatenate([upper - width, upper], axis=1))
         in_time = np.maximum(ndtr(upper) - ndtr(z), 0.0)
         near = np.maximum(ndtr(np.minimum(z + width, upper)) - ndtr(z), 0.0)
         others = self.units - 1
-        apart = self.units * float(weights @ np.where(z < upper, in_time**others - near**others, 0))
-        return min(late + apart, _ALMOST_SURE)
+        integrand = np.where(z < upper, in_time**others - near**others, 0.0)
+        apart = self.units * np.sum(weights * integrand, axis=1)
+        return np.asarray(np.minimum(late + apart, _ALMOST_SURE))
 
 
-def normal_rule(*kinks: float) -> tuple[FloatArray, FloatArray]:
-    """Composite Gauss-Legendre rule for the standard normal density on [-9, 9].
+def normal_rule(kinks: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Composite Gauss-Legendre rules for the standard normal density on [-9, 9].
 
-    Panels end at the kinks of the integrand, so that each panel sees a smooth function.
+    One rule for each row of kinks (..., k) of its integrand; its panels end there, so that each
+    panel sees a smooth function. Kinks elsewhere leave panels without width.
     """
     x, w = np.polynomial.legendre.leggauss(_ORDER)
-    inside = [kink for kink in kinks if abs(kink) < _REACH]
-    edges = np.sort(np.concatenate([np.linspace(-_REACH, _REACH, _PANELS + 1), inside]))
-    half = 0.5 * np.diff(edges)[:, None]
-    nodes = (0.5 * (edges[:-1] + edges[1:])[:, None] + half * x).ravel()
-    weights = (half * w).ravel() * np.exp(-0.5 * nodes**2) / math.sqrt(2.0 * math.pi)
-    return nodes, weights
+    inside = np.where(np.abs(kinks) < _REACH, kinks, _REACH)
+    panels = np.linspace(-_REACH, _REACH, _PANELS + 1)
+    rows = inside.shape[:-1]
+    panels = np.broadcast_to(panels, (*rows, len(panels)))
+    edges = np.sort(np.concatenate([panels, inside], axis=-1), axis=-1)
+    half = 0.5 * np.diff(edges)[..., None]
+    nodes = (0.5 * (edges[..., :-1] + edges[..., 1:])[..., None] + half * x).reshape(*rows, -1)
+    density = np.exp(-0.5 * nodes**2) / math.sqrt(2.0 * math.pi)
+    return nodes, (half * w).reshape(*rows, -1) * density
