@@ -203,6 +203,9 @@ def calls(folder: Path) -> dict[str, Call]:
         individual={"b": normal, "c": normal},
         default_criteria=criteria,
     )
+    alone = uqfold.Problem(
+        lambda x: x[:, 0], individual={"b": normal}, units=2, default_criteria=criteria
+    )
     joint = problem.inputs
     plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
     *_, compared = comparison.run_comparison(plan)
@@ -412,7 +415,13 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "analysis.surface_derivatives": Call(
             analysis.surface_derivatives,
-            {**of, "method": surface, "inputs": optional(thing(["b"])), **run},
+            {
+                **of,
+                "problem": thing(alone),
+                "method": surface,
+                "inputs": optional(thing(["b"])),
+                **run,
+            },
         ),
         "analysis.verify": Call(
             analysis.verify,

@@ -26,6 +26,7 @@ SYSTEM = LinearNormalSystem(units=3, shared_std=0.7)
 PROFILES = [(None, 1), (None, Binomial(4, 0.3)), (4.5, 1)]
 TARGET = 5e-3
 SIMULATION = MonteCarlo(systems=20_000)
+KRIGING = Kriging(runs=40, kernel="gaussian", trend="linear")
 
 
 def exact_threshold(tau: float | None, missions: int | Binomial) -> float:
@@ -34,9 +35,7 @@ def exact_threshold(tau: float | None, missions: int | Binomial) -> float:
     )
 
 
-@pytest.mark.parametrize(
-    "method", [Kriging(runs=40), PolynomialChaos(runs=40)], ids=lambda m: m.name
-)
+@pytest.mark.parametrize("method", [KRIGING, PolynomialChaos(runs=40)], ids=lambda m: m.name)
 def test_smallest_threshold_of_a_linear_system(method: Kriging | PolynomialChaos) -> None:
     designs = design_thresholds(
         SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES, method=method, points=33, rng=1
@@ -71,9 +70,7 @@ def test_a_wrong_target_is_not_covered() -> None:
     assert not design.low <= exact_threshold(None, 1) <= design.high
 
 
-@pytest.mark.parametrize(
-    "method", [Kriging(runs=40), FFNIPearson(nodes_shared=9)], ids=lambda m: m.name
-)
+@pytest.mark.parametrize("method", [KRIGING, FFNIPearson(nodes_shared=9)], ids=lambda m: m.name)
 def test_smallest_mean_of_an_input(method: Kriging | FFNIPearson) -> None:
     """W lowers the response: with V, U and the criterion given, its mean is known."""
 
@@ -123,7 +120,7 @@ def test_largest_standard_deviation_of_an_input() -> None:
     exact = float(brentq(excess, 0.1, 2.0))
     design = design_input(
         SYSTEM.problem(), criterion, TARGET, "W", (0.3, 0.9), moment="standard deviation",
-        seek="largest", method=Kriging(runs=40), points=7, rng=1,
+        seek="largest", method=KRIGING, points=7, rng=1,
     )  # fmt: skip
     assert design.parameter == "standard deviation of W"
     assert design.value == pytest.approx(exact, abs=5e-3)
@@ -139,7 +136,7 @@ def replace_response(problem: Problem, response: object) -> Problem:
 
 
 def test_no_solution_in_the_range() -> None:
-    problem, method = SYSTEM.problem(), Kriging(runs=40)
+    problem, method = SYSTEM.problem(), KRIGING
     for between, status in (((8.0, 9.0), "met nowhere"), ((15.0, 16.0), "met everywhere")):
         design = design_threshold(problem, TARGET, between, method=method, points=9, rng=1)
         assert design.status == status
@@ -154,9 +151,7 @@ def test_no_solution_in_the_range() -> None:
 
 
 def test_verification_by_simulation_of_the_model() -> None:
-    design = design_threshold(
-        SYSTEM.problem(), TARGET, (11.0, 16.0), method=Kriging(runs=40), rng=1
-    )
+    design = design_threshold(SYSTEM.problem(), TARGET, (11.0, 16.0), method=KRIGING, rng=1)
     right = verify(design, SIMULATION, rng=2)
     assert right.agrees
     assert right.ci_low < TARGET < right.ci_high
@@ -167,7 +162,7 @@ def test_verification_by_simulation_of_the_model() -> None:
 
 def test_designs_of_one_problem_share_a_simulation() -> None:
     designs = design_thresholds(
-        SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES[::2], method=Kriging(runs=40), points=17,
+        SYSTEM.problem(), TARGET, (11.0, 16.0), PROFILES[::2], method=KRIGING, points=17,
         rng=1,
     )  # fmt: skip
     places = [(design, value) for design in designs for value in (design.value, design.safe)]
@@ -179,9 +174,7 @@ def test_designs_of_one_problem_share_a_simulation() -> None:
 
 
 def test_verification_finds_a_wrong_design() -> None:
-    design = design_threshold(
-        SYSTEM.problem(), TARGET, (11.0, 16.0), method=Kriging(runs=40), rng=1
-    )
+    design = design_threshold(SYSTEM.problem(), TARGET, (11.0, 16.0), method=KRIGING, rng=1)
     scan = design.scan
     wrong = replace(
         design, scan=replace(scan, pf=scan.pf / 2, low=scan.low / 2, high=scan.high / 2)
@@ -224,6 +217,16 @@ def test_doubts_next_to_the_value_count_and_others_do_not() -> None:
     assert (found.status, found.message) == ("failed", "lost")
 
 
+def test_a_moment_is_spelled_as_it_is() -> None:
+    """ "Mean" was taken for the standard deviation, and nothing was found."""
+    match = "moment = 'Mean': choose from 'mean', 'standard deviation'"
+    with pytest.raises(ValueError, match=match):
+        design_input(
+            SYSTEM.problem(), Criterion(12.0), 0.1, "U", (0.5, 1.0),
+            moment="Mean",  # type: ignore[arg-type]
+        )  # fmt: skip
+
+
 def test_refusals() -> None:
     problem = SYSTEM.problem()
     with pytest.raises(ValueError, match="target_pf = 0"):
@@ -236,11 +239,6 @@ def test_refusals() -> None:
         design_input(problem, Criterion(1.0), 0.1, "U", (-1.0, 1.0), moment="standard deviation")
     with pytest.raises(ValueError, match="points = 2"):
         design_threshold(problem, 0.1, (1.0, 2.0), points=2)
-    # it was taken for the standard deviation, and found nothing
-    with pytest.raises(
-        ValueError, match="moment = 'Mean': choose from 'mean', 'standard deviation'"
-    ):
-        design_input(problem, Criterion(1.0), 0.1, "U", (0.5, 1.0), moment="Mean")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="max_evals = 4: give at least a run for each of 5"):
         design_input(
             problem,

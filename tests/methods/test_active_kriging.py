@@ -13,7 +13,7 @@ import pytest
 from scipy import stats
 
 from uqfold.evaluation import Evaluator, deadline
-from uqfold.methods import ActiveKriging, CriterionResult, ReliabilityResult
+from uqfold.methods import ActiveKriging, ReliabilityResult
 from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
@@ -26,13 +26,12 @@ from uqfold.testing import LinearNormalSystem
 from uqfold.testing.conduct import same_numbers
 from uqfold.typing import FloatArray
 
-SEEDS = range(4)
 FOUR_BRANCH = four_branch()
 
 
 @cache
 def four_branch_runs() -> list[ReliabilityResult]:
-    return [ActiveKriging().estimate(FOUR_BRANCH, rng=seed) for seed in SEEDS]
+    return [ActiveKriging().estimate(FOUR_BRANCH, rng=seed) for seed in range(2)]
 
 
 def exact(problem: Problem, criterion: Criterion) -> float:
@@ -44,15 +43,7 @@ def exact(problem: Problem, criterion: Criterion) -> float:
 
 @pytest.mark.slow
 def test_four_branch_system_within_100_runs() -> None:
-    judged([result[0] for result in four_branch_runs()])
-
-
-@pytest.mark.slow
-def test_four_branch_system_over_50_seeds() -> None:
-    judged([ActiveKriging().estimate(FOUR_BRANCH, rng=seed)[0] for seed in range(50)])
-
-
-def judged(rows: list[CriterionResult]) -> None:
+    rows = [ActiveKriging().estimate(FOUR_BRANCH, rng=seed)[0] for seed in range(50)]
     truth = exact(FOUR_BRANCH, Criterion(rows[0].threshold))
     errors = np.array([row.pf for row in rows]) / truth - 1.0
     assert abs(errors.mean()) < 0.02
@@ -150,7 +141,8 @@ def test_jump_in_the_response_is_not_passed_off_as_converged() -> None:
 
     problem = Problem(cliff, inputs=FOUR_BRANCH.inputs.distribution, name="cliff")
     for seed in range(3):
-        row = ActiveKriging(runs=60).estimate(problem, criteria(0.0), rng=seed)[0]
+        method = ActiveKriging(runs=40, kernel="gaussian")
+        row = method.estimate(problem, criteria(0.0), rng=seed)[0]
         assert row.status in {"doubtful", "budget_exhausted"}
 
 

@@ -2,15 +2,22 @@
 
 import pytest
 
-from uqfold.methods import ActiveKriging, Kriging, ReliabilityMethod, available
+from uqfold.methods import (
+    ActiveKriging,
+    Kriging,
+    PolynomialChaos,
+    ReliabilityMethod,
+    available,
+)
 from uqfold.testing import CHECKS, check_method
 
 METHODS = available()
 # thirty surfaces each
 SLOW = {(name, "stated_errors_are_honest") for name in ("kriging", "pce", "active-kriging")}
 LIGHT: dict[str, ReliabilityMethod] = {
-    "kriging": Kriging(runs=60, kernel="gaussian", trend="linear"),
-    "active-kriging": ActiveKriging(runs=60, kernel="gaussian"),
+    "kriging": Kriging(runs=40, kernel="gaussian", trend="linear"),
+    "pce": PolynomialChaos(runs=40, max_degree=3),
+    "active-kriging": ActiveKriging(runs=40, kernel="gaussian"),
 }
 """Settings that take a third of the time: one surface where the defaults choose among several."""
 FEWER_RUNS: dict[str, ReliabilityMethod] = {

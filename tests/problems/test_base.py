@@ -124,6 +124,11 @@ def test_inputs_that_nobody_named_are_numbered() -> None:
             r"input_units = \('m',\): give one for each of 2 inputs",
         ),
         ({"shared": {"a": normal(0, 1)}, "individual": TWO}, ValueError, "'a' is named twice"),
+        (
+            {"individual": TWO, "structure": "parallel"},
+            TypeError,
+            "structure = 'parallel': give Se",
+        ),
         ({"individual": TWO, "low_fidelity": 3}, TypeError, "low_fidelity = 3: give a function"),
     ],
 )

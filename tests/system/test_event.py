@@ -1,14 +1,11 @@
 """The system event against definitions written out by hand, and against exact probabilities."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.special import ndtr
 from scipy.stats import binom, norm
 
 import uqfold
@@ -16,6 +13,7 @@ from uqfold import Binomial, Criterion
 from uqfold.inputs import normal
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.system.event import SystemEvent, mission_fails, mission_margin
+from uqfold.testing import LinearNormalSystem
 from uqfold.typing import FloatArray
 
 INF, NAN = math.inf, math.nan
@@ -249,33 +247,8 @@ class TestFailedRuns:
         assert ((low <= 0) & (high > 0))[~decided].all()
 
 
-def density(z: float) -> float:
-    return math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
-
-
 def exact(units: int, criterion: Criterion) -> float:
-    """One-factor integral over the shared input; one more over the first unit under tau."""
-
-    def mission_works(v: float) -> float:
-        top = (criterion.threshold - MEAN - SHARED * v) / INDIVIDUAL
-        if criterion.tau is None:
-            return float(ndtr(top) ** units)
-        width = criterion.tau / INDIVIDUAL
-
-        def first(z: float) -> float:
-            others = float(ndtr(min(z + width, top)) - ndtr(z))
-            return units * density(z) * others ** (units - 1)
-
-        edges = sorted({-7.0, min(max(top - width, -7.0), 7.0), min(max(top, -7.0), 7.0)})
-        return sum(quad(first, a, b, epsabs=1e-7)[0] for a, b in pairwise(edges))
-
-    def weighted(v: float) -> float:
-        q = mission_works(v)
-        m = criterion.missions
-        over = (1 - m.p + m.p * q) ** m.planned if isinstance(m, Binomial) else q**m
-        return density(v) * over
-
-    return 1.0 - float(quad(weighted, -7, 7, epsabs=1e-6)[0])
+    return LinearNormalSystem(units, MEAN, SHARED, INDIVIDUAL).pf(criterion)
 
 
 @pytest.mark.parametrize("missions", [1, 3, Binomial(4, 0.7)])
