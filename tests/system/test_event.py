@@ -258,7 +258,7 @@ def test_probability_of_the_event_is_exact(
 ) -> None:
     criterion = Criterion(threshold, tau, missions)
     event = SystemEvent(linear_problem(units=3), criterion)
-    n = 40_000
+    n = 20_000
     u = np.random.default_rng(4).standard_normal((n, event.dimension))
     pf = float((event.margin(u, response) > 0.0).mean())
     true = exact(3, criterion)
