@@ -158,6 +158,9 @@ def test_links_lead_to_the_sections_of_cases() -> None:
     sections = {one.attributes.get("id") for one in root.all("section")}
     assert "case-broken" in targets
     assert {one for one in targets if one.startswith("case-")} <= sections
+    text = built(records()).markdown()
+    assert text.index("](#case-broken)") < text.index('<a id="case-broken"></a>')
+    assert '<a id="case-open"></a>' not in text
 
 
 def test_the_report_carries_the_fingerprint_of_its_records(tmp_path: Path) -> None:

@@ -33,8 +33,12 @@ _ADDRESS = re.compile(r"(?i)\b(https?|ftp|www)(?=[:.])|@")
 def markdown(page: Page) -> str:
     """Return a page as Markdown."""
     lines = [f"# {_plain(page.title)}", "", *_text(page.lead)]
-    for block in page.blocks:
-        lines += [*_lines(block), ""]
+    parts = [list(_lines(block)) for block in page.blocks]
+    told = "\n".join(line for part in parts for line in part)
+    for block, part in zip(page.blocks, parts, strict=True):
+        if isinstance(block, Heading) and f"](#{block.name})" in told:
+            lines += [f'<a id="{block.name}"></a>', ""]
+        lines += [*part, ""]
     if page.imprint:
         lines += ["---", "", *_text(page.imprint)]
     joined = re.sub(r"\n{3,}", "\n\n", "\n".join(lines))
