@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 import uqfold
 from tests.validation.records import full_record
@@ -176,7 +177,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "methods.AskTellSession.replay",
     "methods.Estimate.without_answer", "methods.Task.expect", "methods.Task.generator",
     "methods.Task.evaluate", "methods.Task.summed_up", "testing.LinearNormalSystem.response",
-    "validation.Work.parts", "validation.Work.pick",
+    "validation.Work.parts", "validation.Work.pick", "validation.record_schema",
     # records without fields: their verbs are in the table
     "ReliabilityMethod", "methods.SequentialMethod",
     # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
@@ -756,6 +757,17 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "plots.method_styles": Call(
             plots.method_styles, {"labels": thing(["mc"]).also("empty list")}
+        ),
+        "plots.points": Call(
+            plots.points,
+            {
+                "frame": thing(pd.DataFrame([("a", 1.0, 2.0)], columns=["series", "x", "y"])),
+                "x": text(),
+                "y": text(),
+                "log": choice("xy"),
+                "limits": optional(thing({"a": 1.0})),
+                "ax": optional(thing(axes)),
+            },
         ),
         "plots.save": Call(
             plots.save,

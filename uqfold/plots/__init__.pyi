@@ -4,6 +4,7 @@ from uqfold.plots.curves import reliability as reliability, reliability_panels a
 from uqfold.plots.dependence import independence_panels as independence_panels
 from uqfold.plots.designs import design as design
 from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
+from uqfold.plots.points_figure import points as points
 from uqfold.plots.saving import save as save
 from uqfold.plots.sensitivity import (
     derivatives as derivatives,

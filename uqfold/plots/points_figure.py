@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
+from uqfold.checks import choice, mapping, or_none, real, refused, text
 from uqfold.plots.style import BAND_COLOR, REFERENCE_LINE, figure_settings, method_styles
 from uqfold.plots.telling import gid, tell
 
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+Log = Literal["", "x", "y", "xy"]
 REFERENCE = "reference"
 _LIMIT_COLOR = "#555555"
 _SIZE = (6.4, 3.6)
@@ -22,7 +24,7 @@ def points(
     x: str,
     y: str,
     *,
-    log: Literal["", "x", "y", "xy"] = "",
+    log: Log = "",
     limits: Mapping[str, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
@@ -50,6 +52,14 @@ def points(
     """
     from matplotlib.figure import Figure
 
+    if not {"series", "x", "y"} <= set(getattr(frame, "columns", ())):
+        raise refused("frame", frame, "give a DataFrame with columns series, x and y", TypeError)
+    if ax is not None and not hasattr(ax, "errorbar"):
+        raise refused("ax", ax, "give axes of matplotlib, or None", TypeError)
+    text("x", x)
+    text("y", y)
+    choice("log", log, get_args(Log))
+    or_none("limits", limits, mapping, real)
     with figure_settings():
         axes = Figure(figsize=_SIZE, layout="constrained").add_subplot() if ax is None else ax
         labels = list(dict.fromkeys(frame["series"]))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from uqfold.plots.points_figure import points
+from uqfold.plots import points
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone
 from uqfold.report.page.markup import literal
