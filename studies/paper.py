@@ -122,8 +122,8 @@ def changed_inputs(run: Run, numbers: Sequence[int]) -> pd.DataFrame:
     for number in numbers:
         name, moment, value = CONDITIONS[number]
         row = run.rows("inputs", problem=f"condition-{number}", input=name).iloc[0]
-        one = usual.marginals[usual.names.index(name)]
-        before = one.getMean()[0] if moment == "mean" else one.getStandardDeviation()[0]
+        moments = usual.means if moment == "mean" else usual.standard_deviations
+        before = moments[usual.names.index(name)]
         rows.append((number, name, moment, f"{value:g} {row['unit']}", f"{before:g} {row['unit']}"))
     return pd.DataFrame(rows, columns=["condition", "input", "changed", "value", "instead of"])
 

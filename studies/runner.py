@@ -94,15 +94,15 @@ class Run:
                 "reference_how": "" if known is None else known.how,
                 "reference_command": "" if known is None else known.command,
             })  # fmt: skip
-            for i, marginal in enumerate(problem.inputs.marginals):
+            for i, family in enumerate(problem.inputs.families):
                 inputs.append({
                     "problem": name,
                     "input": problem.inputs.names[i],
                     "unit": problem.input_units[i],
                     "role": "shared" if i < problem.inputs.n_shared else "individual",
-                    "distribution": marginal.getImplementation().getClassName(),
-                    "mean": marginal.getMean()[0],
-                    "std": marginal.getStandardDeviation()[0],
+                    "distribution": family,
+                    "mean": float(problem.inputs.means[i]),
+                    "std": float(problem.inputs.standard_deviations[i]),
                 })  # fmt: skip
         self.keep("problems", pd.DataFrame(rows))
         self.keep("inputs", pd.DataFrame(inputs))

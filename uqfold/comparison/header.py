@@ -203,7 +203,6 @@ def _system(problem: Problem) -> dict[str, Any]:
     joint = problem.inputs
     roles = ["shared"] * joint.n_shared + ["individual"] * joint.n_individual
     described = zip(joint.names, problem.input_units, roles, joint.columns, strict=True)
-    copula = None if joint.independent else joint.distribution.getCopula()
     return {
         "units": problem.n_units,
         "structure": repr(problem.structure),
@@ -211,7 +210,7 @@ def _system(problem: Problem) -> dict[str, Any]:
             {"name": name, "unit": unit, "role": role, "distribution": str(column)}
             for name, unit, role, column in described
         ],
-        "dependence": "independent" if copula is None else str(copula.getName()),
+        "dependence": joint.dependence,
     }
 
 

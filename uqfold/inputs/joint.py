@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from uqfold.checks import array, instance, real, refused, several, whole
+from uqfold.inputs.behind import family_of
 from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.gauss import gauss_rule
 from uqfold.inputs.marginal import Marginal, WithoutCaches, beyond
@@ -77,6 +78,16 @@ class JointInputs(WithoutCaches):
     def independent(self) -> bool:
         """Whether all inputs are mutually independent."""
         return not self.parts.dependent
+
+    @property
+    def dependence(self) -> str:
+        """``independent``, or the name of the copula that joins the inputs."""
+        return "independent" if self.independent else str(self.distribution.getCopula().getName())
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """Names of the d marginal families, as OpenTURNS calls them."""
+        return tuple(family_of(marginal)[1] for marginal in self.marginals)
 
     @property
     def marginals(self) -> tuple[Any, ...]:

@@ -202,7 +202,7 @@ def folding_wing(
 
     Examples
     --------
-    >>> folding_wing(means={"V_q": 100.0}).inputs.marginals[0].getMean()[0]
+    >>> folding_wing(means={"V_q": 100.0}).inputs.means[0].item()
     100.0
     """
     wing = _checked(parameters)

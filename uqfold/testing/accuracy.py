@@ -105,8 +105,8 @@ def check_scale_and_shift(method: ReliabilityMethod, settings: Settings) -> None
         return scale * system.response(x) + shift
 
     other = Problem(
-        rescaled, shared=plain.inputs.distribution.getMarginal([0]),
-        individual=plain.inputs.distribution.getMarginal([1, 2]), units=system.units,
+        rescaled, shared=plain.inputs.marginals[0],
+        individual=plain.inputs.marginals[1:], units=system.units,
         names=plain.inputs.names,
     )  # fmt: skip
     for tau in (None, 2.5):
@@ -126,8 +126,8 @@ def check_order_of_inputs_does_not_matter(method: ReliabilityMethod, settings: S
         return system.response(x[:, [0, 2, 1]])
 
     problem = Problem(
-        swapped, shared=inputs.distribution.getMarginal([0]),
-        individual=inputs.distribution.getMarginal([2, 1]), names=["V", "W", "U"],
+        swapped, shared=inputs.marginals[0],
+        individual=inputs.marginals[:0:-1], names=["V", "W", "U"],
         units=system.units,
     )  # fmt: skip
     criterion = Criterion(12.0)

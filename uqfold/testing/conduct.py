@@ -69,8 +69,8 @@ def counted(system: LinearNormalSystem) -> tuple[Problem, CountingModel]:
     plain = system.problem()
     problem = Problem(
         model,
-        shared=plain.inputs.distribution.getMarginal([0]),
-        individual=plain.inputs.distribution.getMarginal([1, 2]),
+        shared=plain.inputs.marginals[0],
+        individual=plain.inputs.marginals[1:],
         names=plain.inputs.names,
         units=system.units,
         name="counted",

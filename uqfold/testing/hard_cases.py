@@ -26,8 +26,8 @@ def _with_model(system: LinearNormalSystem, model: Callable[[FloatArray], FloatA
     inputs = system.problem().inputs
     return Problem(
         model,
-        shared=inputs.distribution.getMarginal([0]),
-        individual=inputs.distribution.getMarginal([1, 2]),
+        shared=inputs.marginals[0],
+        individual=inputs.marginals[1:],
         names=inputs.names,
         units=system.units,
         name="hard",
