@@ -44,7 +44,7 @@ def test_a_file_that_is_no_store_is_a_usage_error(
 ) -> None:
     (tmp_path / "notes.txt").write_text("milk, bread, butter\n" * 50)
     assert run(*ONE, "--store", "notes.txt") == 2
-    assert "no store of uqfold" in " ".join(capsys.readouterr().err.split())
+    assert "not a store of uqfold" in " ".join(capsys.readouterr().err.split())
 
 
 def test_the_wall_clock_limit_holds_for_each_method(tmp_path: Path) -> None:

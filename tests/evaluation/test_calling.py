@@ -264,7 +264,7 @@ def test_nothing_of_a_refused_model_is_stored(tmp_path: Path) -> None:
             assert len(store) == 0
 
 
-# What is no number, and what is masked
+# What is not a number, and what is masked
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def broken(folder: Path) -> float:
         ({"timeout": 0.5}, [0.0, -3.0], r"took longer than 0.5 s"),
         ({"command": ["no-such-solver", "{{a}}"]}, [0.0, 0.0], r"no-such-solver cannot be started"),
         ({"output": Regex(r"z = (\S+)")}, [0.0, 0.0], r"holds nothing that matches"),
-        ({"output": Regex(r"step 2: (.)")}, [0.0, 0.0], r"'y' is no number"),
+        ({"output": Regex(r"step 2: (.)")}, [0.0, 0.0], r"'y' is not a number"),
         ({"output": Regex("(.)", "out.txt")}, [0.0, 0.0], r"FileNotFoundError.*out.txt"),
         ({"output": Column("table.csv", 9)}, [0.0, 0.0], r"no column 9 in row -1"),
         ({"output": lambda folder: math.nan}, [0.0, 0.0], r"the output is NaN"),
@@ -118,7 +118,7 @@ def test_failures_are_told(
     [
         ({"command": "solver -x"}, "give a list of words"),
         ({"command": []}, "give a list of words"),
-        ({"names": ["a"]}, r"placeholder \{\{b\}\} is no input: choose from a"),
+        ({"names": ["a"]}, r"placeholder \{\{b\}\} is not an input: choose from a"),
         ({"names": ["a", "b", "c"]}, "input 'c' occurs nowhere"),
         ({"timeout": 0.0}, "timeout = 0.0"),
         ({"parallel": 0}, "parallel = 0"),
@@ -231,7 +231,7 @@ def test_a_pattern_needs_one_group() -> None:
 )  # fmt: skip
 def test_what_is_no_number_of_c_or_fortran_is_refused(written: str, tmp_path: Path) -> None:
     """An output ``1_5`` is not 15; neither as text of a function."""
-    with pytest.raises(ExternalRunError, match=r"is no number|too large"):
+    with pytest.raises(ExternalRunError, match=r"is not a number|too large"):
         number(written)
     with pytest.raises(ExternalRunError):
         response(written)

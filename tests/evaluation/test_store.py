@@ -231,7 +231,7 @@ def test_built_in_problems_state_their_version() -> None:
 def test_a_foreign_file_is_refused_and_left_alone(path: Path) -> None:
     path.write_text("x, y\n1.0, 2.0\n" * 100)
     before = path.read_bytes()
-    with pytest.raises(StoreError, match="no store of uqfold"):
+    with pytest.raises(StoreError, match="not a store of uqfold"):
         Store(path)
     assert path.read_bytes() == before
     other = path.with_name("other.db")
@@ -239,7 +239,7 @@ def test_a_foreign_file_is_refused_and_left_alone(path: Path) -> None:
         connection.execute("CREATE TABLE runs (x REAL)")
     connection.close()
     before = other.read_bytes()
-    with pytest.raises(StoreError, match="is a database, but no store"):
+    with pytest.raises(StoreError, match="is a database, but not a store"):
         Store(other)
     assert other.read_bytes() == before
 

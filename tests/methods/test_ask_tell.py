@@ -407,7 +407,7 @@ def test_no_save_loses_the_responses_of_another_process(tmp_path: Path) -> None:
             session.save(path)
         assert path.read_bytes() == kept
     (tmp_path / "thesis.txt").write_text("words")
-    with pytest.raises(SessionFileError, match="no session file"):
+    with pytest.raises(SessionFileError, match="not a session file"):
         first.save(tmp_path / "thesis.txt")
     assert (tmp_path / "thesis.txt").read_text() == "words"
 

@@ -74,7 +74,7 @@ class Calls:
         RaisedError
             If the model raises.
         UnusableError
-            If what it returns are no responses of these rows.
+            If what it returns are not responses of these rows.
         """
         y = self._one_per_row(self._called(x), x)
         if self.in_doubt and x.shape[0] > 1:

@@ -82,7 +82,7 @@ class Dask(Executor):
             raise _no_answer(cluster, error) from error
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
-        """Give a runner for the workers that are there now."""
+        """Return a runner for the workers that are there now."""
         return _DaskRunner(self.client, limited(model, seconds_per_run, "a run on a cluster"))
 
     def close(self) -> None:
@@ -211,7 +211,7 @@ def _run_pickled(model: bytes, x: FloatArray, caution: Caution) -> Outcome:
 
 
 def _check_answer(cluster: str) -> None:
-    """Refuse what is no address, and one where nothing listens, which takes Dask a minute."""
+    """Refuse what is not an address, and one where nothing listens, which takes Dask a minute."""
     if cluster.startswith("inproc://"):
         return
     match = _ADDRESS.fullmatch(cluster)

@@ -31,7 +31,7 @@ class _Pair(NamedTuple):
     first: int
 
 
-# What is no attribute of a class, but says where its instances keep one.
+# What is not an attribute of a class, but says where its instances keep one.
 _PLACES = (types.MemberDescriptorType, types.GetSetDescriptorType, type(_Pair.first))
 _WRAPPERS = (staticmethod, classmethod, property, functools.cached_property)
 # Classes that are being described: their methods may name them.

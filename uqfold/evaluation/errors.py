@@ -30,7 +30,7 @@ class TimeLimitError(BudgetExceededError):
 
 
 class FailedRunError(RuntimeError):
-    """A model run failed under the policy ``raise``, or every run of the model fails."""
+    """An evaluation failed under the policy ``raise``, or every one fails."""
 
 
 class ModelError(FailedRunError):

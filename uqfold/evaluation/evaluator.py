@@ -26,7 +26,7 @@ from uqfold.typing import Model
 
 @dataclass(frozen=True)
 class Evaluator:
-    """How model runs are made.
+    """How a model is evaluated.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Evaluator:
     ValueError, TypeError
         If a setting is out of range.
     StoreError
-        If the store is no store, or damaged.
+        If the store is not a store, or damaged.
     """
 
     failed_runs: FailedRunPolicy = "bound"

@@ -1,4 +1,4 @@
-"""Where batches of model runs are made: in this process, or by any futures executor.
+"""Where batches of the model is evaluated: in this process, or by any futures executor.
 
 An executor gives a runner for one model. The pipeline submits batches and takes their outcomes in
 whatever order they finish; it puts them back in order itself, so that no answer depends on the
@@ -53,7 +53,7 @@ class Runner(ABC):
 
 
 class Executor(ABC):
-    """Where batches of model runs are made; to be used as a context manager, or closed at exit."""
+    """Where a model is evaluated in batches; to be used as a context manager, or closed at exit."""
 
     batch_rows: ClassVar[int] = 64
     """Rows of a batch unless the evaluator says otherwise."""
@@ -62,7 +62,7 @@ class Executor(ABC):
 
     @abstractmethod
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
-        """Give a runner for `model`, which may take `seconds_per_run` for each run.
+        """Return a runner for `model`, which may take `seconds_per_run` for each run.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Executor(ABC):
         """Release the workers."""
 
     def __enter__(self) -> Executor:
-        """Give the executor."""
+        """Return the executor."""
         return self
 
     def __exit__(
@@ -96,7 +96,7 @@ class InProcess(Executor):
     small_batch_rows: ClassVar[int] = 4096
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
-        """Give a runner that makes each run when its outcome is asked for."""
+        """Return a runner that makes each run when its outcome is asked for."""
         return _InProcessRunner(limited(model, seconds_per_run, "a run in this process"))
 
 
@@ -149,7 +149,7 @@ class Futures(Executor):
         self.workers = asked or (own if isinstance(own, int) else None) or os.cpu_count() or 1
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
-        """Give a runner; a model for a pool of processes has to be picklable."""
+        """Return a runner; a model for a pool of processes has to be picklable."""
         model = limited(model, seconds_per_run, f"a run in a {type(self.executor).__name__}")
         if isinstance(self.executor, concurrent.futures.ProcessPoolExecutor):
             pickled(model)
@@ -209,7 +209,7 @@ class _FuturesRunner(Runner):
 
 
 def limited(model: Model, seconds_per_run: float | None, what: str) -> Model:
-    """Give the model with a time limit that it keeps itself.
+    """Return the model with a time limit that it keeps itself.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def limited(model: Model, seconds_per_run: float | None, what: str) -> Model:
 
 
 def pickled(model: Model) -> bytes:
-    """Give the model as bytes for a worker process.
+    """Return the model as bytes for a worker process.
 
     Raises
     ------

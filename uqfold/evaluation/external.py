@@ -49,7 +49,7 @@ class ExternalCode(RowModel):
 
     A run fails, and raises `ExternalRunError`, when the program cannot be started, ends with
     another exit code than 0, takes longer than `timeout`, or leaves no number to be read; NaN is
-    no number, an infinity is one. During an estimate a failed run is a NaN for the policy for
+    not a number, an infinity is one. During an estimate a failed run is a NaN for the policy for
     failed runs. The folder of a failed run is kept, with ``reason.txt`` in it.
 
     No process that a run has started outlives it: not after a time-out, nor when the caller is
@@ -82,7 +82,7 @@ class ExternalCode(RowModel):
     Raises
     ------
     TypeError, ValueError
-        If a placeholder is no input, an input occurs nowhere or twice, a file does not stay in the
+        If a placeholder is not an input, an input occurs nowhere or twice, a file does not stay in the
         run's folder, or a setting is out of range.
     OSError
         If a template cannot be read.

@@ -43,7 +43,7 @@ class Regex:
     Raises
     ------
     TypeError, ValueError
-        If the pattern is no regular expression with one group, or the file is not in the folder.
+        If the pattern is not a regular expression with one group, or the file is not in the folder.
     """
 
     pattern: str
@@ -129,7 +129,7 @@ def response(value: object) -> float:
     Raises
     ------
     ExternalRunError
-        If it is no number, or NaN.
+        If it is not a number, or NaN.
     """
     try:
         y = number(value) if isinstance(value, str) else value
@@ -151,7 +151,7 @@ def number(written: str) -> float:
     Raises
     ------
     ExternalRunError
-        If it is no such number.
+        If it is not such a number.
 
     Examples
     --------
@@ -160,7 +160,7 @@ def number(written: str) -> float:
     """
     match = _NUMBER.fullmatch(written.strip(_BLANKS))
     if match is None:
-        raise ExternalRunError(f"{written!r} is no number")
+        raise ExternalRunError(f"{written!r} is not a number")
     digits, exponent = match[1] or match[3], match[2] or match[4]
     y = float(match[5] or f"{digits}e{exponent or 0}")
     if math.isinf(y) and match[5] is None:

@@ -62,7 +62,7 @@ class Processes(Executor):
         self._finalizer = weakref.finalize(self, _kill_all, self._pool)
 
     def open(self, model: Model, seconds_per_run: float | None) -> Runner:
-        """Give a runner; the processes start with its first batch."""
+        """Return a runner; the processes start with its first batch."""
         if isinstance(model, RowModel) and seconds_per_run is not None:
             # who starts a program is the one to end it: killing its parent would leave it running
             keeping = model.with_time_limit(seconds_per_run)
@@ -75,7 +75,7 @@ class Processes(Executor):
         _kill_all(self._pool)
 
     def idle(self) -> Worker | None:
-        """Give a worker without a job, started if need be; None if all are busy."""
+        """Return a worker without a job, started if need be; None if all are busy."""
         for worker in self._pool:
             if worker.job is None:
                 return worker
@@ -85,7 +85,7 @@ class Processes(Executor):
         return self._pool[-1]
 
     def busy(self) -> list[Worker]:
-        """Give the workers that have a job."""
+        """Return the workers that have a job."""
         return [worker for worker in self._pool if worker.job is not None]
 
     def discard(self, worker: Worker) -> int | None:
@@ -170,7 +170,7 @@ class _ProcessesRunner(Runner):
         if kind == "interrupt":
             raise KeyboardInterrupt
         if kind == "ready":
-            # importing and compiling are no part of a run's time
+            # importing and compiling do not count as a run's time
             worker.ready = True
             self._deaths_while_loading = 0
             if self._limit is not None:

@@ -96,7 +96,7 @@ def per_sample(function: Callable[[FloatArray], Any]) -> PerSample:
     Raises
     ------
     TypeError
-        If it is no function.
+        If it is not a function.
 
     Examples
     --------

@@ -23,7 +23,7 @@ def file_inside(name: str, value: object) -> str:
     Raises
     ------
     TypeError, ValueError
-        If it is no text, or leads out of the folder on some system.
+        If it is not text, or leads out of the folder on some system.
     """
     remedy = "give the path of a file inside the run's folder, as in 'mesh/beam.inp'"
     given = text(name, value, what="the path of a file")
@@ -41,7 +41,7 @@ def text_of(folder: Path, file: str) -> str:
     Raises
     ------
     ExternalRunError
-        If it is no ordinary file, or a link that leads out of the folder.
+        If it is not an ordinary file, or a link that leads out of the folder.
     OSError
         If there is none, or it cannot be read.
     """
@@ -49,7 +49,7 @@ def text_of(folder: Path, file: str) -> str:
     if not path.is_relative_to(folder.resolve()):
         raise ExternalRunError(f"{file} is a link that leads out of the run's folder")
     if path.exists() and not path.is_file():
-        raise ExternalRunError(f"{file} is no ordinary file")
+        raise ExternalRunError(f"{file} is not an ordinary file")
     return decoded(path.read_bytes())
 
 

@@ -47,7 +47,7 @@ CREATE TABLE responses (
 
 
 def entry_key(identity: bytes, x: FloatArray) -> bytes:
-    """Give the key of the responses of one model to the rows X (n, d)."""
+    """Return the key of the responses of one model to the rows X (n, d)."""
     data = np.ascontiguousarray(x, dtype=_DTYPE)
     digest = hashlib.blake2b(key=identity, digest_size=16)
     digest.update(b"%d,%d:" % data.shape)
@@ -71,7 +71,7 @@ class Store:
     Raises
     ------
     TypeError, ValueError
-        If it is no path, or one that SQLite would keep in memory (``:memory:``).
+        If it is not a path, or one that SQLite would keep in memory (``:memory:``).
     StoreError
         If the file cannot be opened or made, is something else, was written in another format, or
         is damaged. No file that is not a store is changed.
@@ -167,7 +167,7 @@ class Store:
                 raise
 
     def __len__(self) -> int:
-        """Give the number of responses kept, those of all models together."""
+        """Return the number of responses kept, those of all models together."""
         with self._lock:
             self._check_process()
             try:
@@ -189,7 +189,7 @@ class Store:
             self._close()
 
     def __enter__(self) -> Store:
-        """Give the store."""
+        """Return the store."""
         return self
 
     def __exit__(
@@ -213,7 +213,7 @@ class Store:
                     self._connection.execute(f"PRAGMA user_version = {FORMAT}")
                 self._connection.execute("COMMIT")
             if self._pragma("application_id") != APPLICATION_ID:
-                raise StoreError(f"{self.path} is a database, but no store of uqfold")
+                raise StoreError(f"{self.path} is a database, but not a store of uqfold")
             if self._pragma("user_version") != FORMAT:
                 raise StoreError(
                     f"{self.path} is a store of format {self._pragma('user_version')}, this "
@@ -254,7 +254,7 @@ class Store:
     def _failure(self, error: sqlite3.Error) -> StoreError:
         name = getattr(error, "sqlite_errorname", "")
         reason = {
-            "SQLITE_NOTADB": "is no store of uqfold, or a damaged one",
+            "SQLITE_NOTADB": "is not a store of uqfold, or a damaged one",
             "SQLITE_CORRUPT": "is damaged: put back a copy of the file, or give another path",
             "SQLITE_FULL": "cannot be written, the disk is full: what was committed is kept",
             "SQLITE_IOERR": "cannot be read or written: check the disk, its quota and the network",

@@ -20,7 +20,7 @@ def input_names(name: str, value: object) -> tuple[str, ...]:
     Raises
     ------
     TypeError, ValueError
-        If one is no such name, there is none, or one comes twice.
+        If one is not such a name, there is none, or one comes twice.
     """
     given = names(name, value)
     if not given:
@@ -34,8 +34,8 @@ def input_names(name: str, value: object) -> tuple[str, ...]:
 def template_texts(name: str, value: object) -> dict[str, str]:
     """Return file in the run's folder -> text of its template, read now.
 
-    Bytes that are no UTF-8 are kept as surrogates, and line ends as they are, so that
-    `write_filled` gives every byte back that is no placeholder.
+    Bytes that are not UTF-8 are kept as surrogates, and line ends as they are, so that
+    `write_filled` returns every byte that is not a placeholder.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def template_texts(name: str, value: object) -> dict[str, str]:
 
 
 def check_placeholders(texts: Sequence[str], inputs: Sequence[str]) -> None:
-    """Refuse placeholders that are no input or have no format, and inputs that occur nowhere.
+    """Refuse placeholders that are not inputs or have no format, and inputs that occur nowhere.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def check_placeholders(texts: Sequence[str], inputs: Sequence[str]) -> None:
     used = {match[1] for match in found}
     if unknown := used - set(inputs):
         raise ValueError(
-            f"the placeholder {{{{{min(unknown)}}}}} is no input: choose from {', '.join(inputs)}"
+            f"the placeholder {{{{{min(unknown)}}}}} is not an input: choose from {', '.join(inputs)}"
         )
     for match in found:
         try:

@@ -40,7 +40,7 @@ class SequentialMethod(SteppedMethod):
         rng: RandomSource = None,
         evaluator: Evaluator | None = None,
     ) -> AskTellSession:
-        """Start an estimate whose model runs the caller makes.
+        """Start an estimate whose evaluations the caller makes.
 
         Parameters as in `estimate`. The problem's own model is never called; of the evaluator,
         the policy for failed runs and the progress display are used.
@@ -77,7 +77,7 @@ class SequentialMethod(SteppedMethod):
         Raises
         ------
         SessionFileError
-            If the file is damaged, is no session file, or belongs to another method, problem,
+            If the file is damaged, is not a session file, or belongs to another method, problem,
             criteria, budget, seed or policy for failed runs.
         """
         checked_problem(problem)

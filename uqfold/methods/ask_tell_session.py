@@ -1,4 +1,4 @@
-"""One estimate whose model runs are made by the caller: ask for rows, tell their responses."""
+"""One estimate whose evaluations are made by the caller: ask for rows, tell their responses."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class _ToldModel:
 
 
 class AskTellSession:
-    """One estimate whose model runs are made outside; from `SequentialMethod.start`.
+    """One estimate whose evaluations are made outside; from `SequentialMethod.start`.
 
     ::
 
@@ -102,7 +102,7 @@ class AskTellSession:
         return sum(len(rows) for rows in self._open.values())
 
     def ask(self) -> FloatArray:
-        """Give the rows X (n, d) whose responses are wanted next, columns shared inputs first.
+        """Return the rows X (n, d) whose responses are wanted next, columns shared inputs first.
 
         They may run in parallel. Asking again gives the rows of the same batch that are still
         without a response.
@@ -133,7 +133,7 @@ class AskTellSession:
         RuntimeError
             If the session is done.
         TypeError
-            If `x` or `y` holds something that is no real number.
+            If `x` or `y` holds something that is not a real number.
         ValueError
             If shapes do not fit, or a row was not asked for or has its response already; nothing
             is taken over then.
@@ -158,7 +158,7 @@ class AskTellSession:
             self._close_batch()
 
     def result(self) -> ReliabilityResult:
-        """Give the result.
+        """Return the result.
 
         Raises
         ------
@@ -201,7 +201,7 @@ class AskTellSession:
         session_file.write(path, self.header(), batches, told)
 
     def header(self) -> dict[str, Any]:
-        """Give what identifies this run in a file."""
+        """Return what identifies this run in a file."""
         task = self._run.task
         return session_file.header(
             self._method, task.problem, self._run.asked, task.seed, task.session

@@ -165,7 +165,7 @@ class ReliabilityMethod(ABC):
         return False
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Say why the method cannot answer this criterion, or None if it can.
+        """Return why the method cannot answer this criterion, or None if it can.
 
         This default accepts exchangeable units in series. A subclass that adds reasons of its own
         calls it first.
@@ -201,7 +201,7 @@ class ReliabilityMethod(ABC):
         criteria
             What "works" means; None takes the problem's own default criteria.
         max_evals
-            Most model runs that may be spent, one run being the model at one x; None: as many
+            Most evaluations that may be spent, each being one run of the model at one x; None: as many
             as the method's settings ask for.
         rng
             Seed, `numpy.random.SeedSequence` or `Generator`; reduced to the recorded seed.

@@ -77,7 +77,7 @@ def header(
     seed: int,
     session: EvaluationSession,
 ) -> dict[str, Any]:
-    """Give what identifies a run, in values that JSON keeps exactly."""
+    """Return what identifies a run, in values that JSON keeps exactly."""
     return {
         "method": repr(method),
         "problem": problem.name,
@@ -172,7 +172,7 @@ def read(path: str | PathLike[str]) -> SavedSession:
     FileNotFoundError
         If there is no such file.
     SessionFileError
-        If it is damaged, or no session file of this format.
+        If it is damaged, or not a session file of this format.
     """
     source = Path(path)
     try:
@@ -187,7 +187,7 @@ def read(path: str | PathLike[str]) -> SavedSession:
     # too large for the memory, an unknown compression, a number of too many digits, ...
     except Exception as error:
         why = str(error) or type(error).__name__
-        raise SessionFileError(f"{source} is no session file, or a damaged one: {why}") from error
+        raise SessionFileError(f"{source} is not a session file, or a damaged one: {why}") from error
     if not isinstance(head, dict) or head.get("schema") not in {SCHEMA, WITHOUT_DIGEST}:
         raise SessionFileError(f"{source} does not follow the format {SCHEMA!r}")
     if not _consistent(x, y, told, rows):
