@@ -82,8 +82,8 @@ class ExternalCode(RowModel):
     Raises
     ------
     TypeError, ValueError
-        If a placeholder is not an input, an input occurs nowhere or twice, a file does not stay in the
-        run's folder, or a setting is out of range.
+        If a placeholder is not an input, an input occurs nowhere or twice, a file does not stay in
+        the run's folder, or a setting is out of range.
     OSError
         If a template cannot be read.
     """
@@ -162,7 +162,7 @@ class ExternalCode(RowModel):
         return True
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Responses (n,) of X (n, d), `parallel` at a time; NaN for failed runs."""
+        """Return the responses (n,) of X (n, d), `parallel` at a time; NaN for failed runs."""
         from concurrent.futures import ThreadPoolExecutor, wait
 
         def answer(row: FloatArray) -> float:

@@ -74,7 +74,8 @@ def check_placeholders(texts: Sequence[str], inputs: Sequence[str]) -> None:
     used = {match[1] for match in found}
     if unknown := used - set(inputs):
         raise ValueError(
-            f"the placeholder {{{{{min(unknown)}}}}} is not an input: choose from {', '.join(inputs)}"
+            f"the placeholder {{{{{min(unknown)}}}}} is not an input: "
+            f"choose from {', '.join(inputs)}"
         )
     for match in found:
         try:

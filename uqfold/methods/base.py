@@ -201,8 +201,8 @@ class ReliabilityMethod(ABC):
         criteria
             What "works" means; None takes the problem's own default criteria.
         max_evals
-            Most evaluations that may be spent, each being one run of the model at one x; None: as many
-            as the method's settings ask for.
+            Most evaluations that may be spent, each being one run of the model at one x; None: as
+            many as the method's settings ask for.
         rng
             Seed, `numpy.random.SeedSequence` or `Generator`; reduced to the recorded seed.
         evaluator

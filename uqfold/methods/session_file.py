@@ -186,8 +186,8 @@ def read(path: str | PathLike[str]) -> SavedSession:
     # what a damaged archive makes of NumPy, zip and JSON has no common kind: too deeply nested,
     # too large for the memory, an unknown compression, a number of too many digits, ...
     except Exception as error:
-        why = str(error) or type(error).__name__
-        raise SessionFileError(f"{source} is not a session file, or a damaged one: {why}") from error
+        why = f"is not a session file, or a damaged one: {str(error) or type(error).__name__}"
+        raise SessionFileError(f"{source} {why}") from error
     if not isinstance(head, dict) or head.get("schema") not in {SCHEMA, WITHOUT_DIGEST}:
         raise SessionFileError(f"{source} does not follow the format {SCHEMA!r}")
     if not _consistent(x, y, told, rows):
