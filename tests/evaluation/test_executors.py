@@ -208,6 +208,24 @@ def test_store_and_workers_together(pool: Processes, tmp_path: Path) -> None:
     assert second[0].n_reused == second.n_evals - second.n_evals // 3
 
 
+def test_runs_with_a_limit_of_their_own_are_stored(pool: Processes, tmp_path: Path) -> None:
+    """They are run one by one, so that how the model is called is never asked: none was kept."""
+    settings = {"store": tmp_path / "runs.db", "executor": pool, "seconds_per_run": 60.0}
+    results = [answer(models.quadratic, FFNIPearson(), **settings) for _ in range(2)]
+    assert [result[0].n_reused for result in results] == [0, results[0].n_evals]
+
+
+@pytest.mark.parametrize("retries", [0, 1])
+def test_a_run_is_tried_again_as_often_as_said(tmp_path: Path, retries: int) -> None:
+    x = models.rows(1)
+    with Processes(1, retries=retries) as pool:
+        session = Evaluator(executor=pool).session(models.DeadlyOnce(tmp_path, every=1), 2, None)
+        y = session.evaluate(x)
+    # the first try kills its process, a second would not
+    assert np.isnan(y[0]) == (retries == 0)
+    assert session.n_failed == 1 - retries
+
+
 def test_wall_clock_limit_ends_monte_carlo_with_the_systems_that_are_complete(
     pool: Processes,
 ) -> None:

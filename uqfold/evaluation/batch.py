@@ -63,6 +63,8 @@ class Outcome:
         Whether it is still to be found out that the model takes rows.
     unusable
         Why the model cannot be used at all; empty if it can.
+    died
+        How the worker has ended over these rows, which may be run again; empty if it has not.
     """
 
     y: FloatArray
@@ -70,6 +72,12 @@ class Outcome:
     seconds: float
     in_doubt: bool = False
     unusable: str = ""
+    died: str = ""
+
+    @classmethod
+    def lost(cls, *, reason: str = "", died: str = "") -> Outcome:
+        """Return what there is of a batch whose worker has ended, or was ended: NaN, for any n."""
+        return cls(np.array(np.nan), reason, 0.0, in_doubt=True, died=died)
 
 
 def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:

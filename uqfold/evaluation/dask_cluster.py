@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import queue
 import re
 import socket
 import time
@@ -12,13 +11,10 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, ClassVar
 
-import numpy as np
-
 from uqfold.checks import instance, refused
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
-from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import ExecutorError
-from uqfold.evaluation.executors import Executor, Runner, limited
+from uqfold.evaluation.executors import Executor, FuturesRunner, Runner, limited
 from uqfold.typing import FloatArray, Model
 
 ANSWER_SECONDS = 5.0
@@ -95,90 +91,39 @@ class _InterruptedRunError(Exception):
     """The model raised KeyboardInterrupt."""
 
 
-class _DaskRunner(Runner):
+class _DaskRunner(FuturesRunner):
     def __init__(self, client: Any, model: Model) -> None:
         # comes with distributed
         import cloudpickle
 
         try:
-            self._model = cloudpickle.dumps(model)
+            pickled: Any = cloudpickle.dumps(model)
         except Exception as error:
             raise ExecutorError(
                 f"the model {model!r} cannot be sent to a cluster ({error}): make it a function "
                 "of what it needs, without open files, locks or connections"
             ) from error
+        super().__init__(client.get_executor(pure=False), pickled, workers=1)
+        self._run = _run_pickled
         self._client = client
-        self.capacity = QUEUED_PER_THREAD
-        self._jobs: dict[Any, tuple[Any, FloatArray, Caution]] = {}
-        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._last_seen = time.monotonic()
         self._next_look = 0.0
         self._look_for_workers()
 
-    @property
-    def in_flight(self) -> int:
-        return len(self._jobs)
-
-    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
-        future = self._start(x, caution)
-        self._jobs[future] = batch, x, caution
-        # much quicker than asking for the state of all of them
-        future.add_done_callback(self._done.put)
-
     def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
         self._look_for_workers()
-        try:
-            future = self._done.get(timeout=timeout)
-        except queue.Empty:
-            return None
-        batch, x, caution = self._jobs.pop(future)
-        outcome = self._outcome(future)
-        return batch, self._row_by_row(x, caution) if outcome is None else outcome
+        return super().finished(timeout)
 
-    def abandon(self) -> None:
-        self._client.cancel(list(self._jobs), force=True)
-        self._jobs.clear()
-        # what is still called back belongs to nobody
-        self._done = queue.SimpleQueue()
-
-    def _start(self, x: FloatArray, caution: Caution) -> Any:
-        return self._client.submit(_run_pickled, self._model, x, caution, pure=False)
-
-    def _outcome(self, future: Any) -> Outcome | None:
-        """Wait for one batch; None if its workers died of it."""
-        distributed = _distributed()
-        while True:
-            try:
-                outcome: Outcome = future.result(timeout=LOOK_SECONDS)
-            except TimeoutError:
-                self._look_for_workers()
-            except distributed.KilledWorker:
-                return None
-            except _InterruptedRunError:
-                raise KeyboardInterrupt from None
-            except Exception as error:
-                # what the model raises is part of an outcome, so this is the cluster's own
-                raise ExecutorError(
-                    f"the cluster gave no responses ({type(error).__name__}: {error}): uqfold, "
-                    "in this version, and what the model imports have to be installed on its "
-                    "workers"
-                ) from error
-            else:
-                return outcome
-
-    def _row_by_row(self, x: FloatArray, caution: Caution) -> Outcome:
-        """Find the rows that end their worker; all others get their responses."""
-        y, reason, seconds = np.full(x.shape[0], np.nan), "", 0.0
-        in_doubt, unusable = caution.in_doubt, ""
-        for i in range(x.shape[0]):
-            outcome = self._outcome(self._start(x[i : i + 1], Caution(in_doubt=in_doubt)))
-            if outcome is None:
-                reason = reason or f"the model ended its worker at x = {shown(x[i])}"
-            else:
-                y[i], seconds = outcome.y[0], seconds + outcome.seconds
-                reason = reason or outcome.reason
-                in_doubt, unusable = outcome.in_doubt, unusable or outcome.unusable
-        return Outcome(y, reason, seconds, in_doubt, unusable)
+    def _without_outcome(self, error: BaseException) -> Outcome:
+        if isinstance(error, _distributed().KilledWorker):
+            # which Dask says after several workers have died
+            return Outcome.lost(died="the model ended its worker")
+        if isinstance(error, _InterruptedRunError):
+            raise KeyboardInterrupt
+        raise ExecutorError(
+            f"the cluster gave no responses ({type(error).__name__}: {error}): uqfold, in this "
+            "version, and what the model imports have to be installed on its workers"
+        ) from error
 
     def _look_for_workers(self) -> None:
         """Adapt to workers that have come or gone; without any there is nothing to wait for."""

@@ -130,6 +130,8 @@ class Evaluator:
         row_by_row = isinstance(model, RowModel)
 
         def most_rows(n: int) -> int:
+            if self.seconds_per_run is not None:
+                return 1
             if self.batch_rows is not None:
                 return self.batch_rows
             if row_by_row:

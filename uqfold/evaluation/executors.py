@@ -13,6 +13,7 @@ import pickle
 import time
 from abc import ABC, abstractmethod
 from collections import deque
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, ClassVar
 
@@ -33,6 +34,8 @@ class Runner(ABC):
 
     capacity: int
     """How many batches it takes at a time."""
+    retries: int = 0
+    """How often rows over which a worker has ended are run again."""
 
     @property
     @abstractmethod
@@ -153,28 +156,34 @@ class Futures(Executor):
         model = limited(model, seconds_per_run, f"a run in a {type(self.executor).__name__}")
         if isinstance(self.executor, concurrent.futures.ProcessPoolExecutor):
             pickled(model)
-        return _FuturesRunner(self.executor, model, self.workers)
+        return FuturesRunner(self.executor, model, self.workers)
 
 
-class _FuturesRunner(Runner):
+class FuturesRunner(Runner):
+    """Batches of one model, under way as futures."""
+
     def __init__(self, executor: concurrent.futures.Executor, model: Model, workers: int) -> None:
         self.capacity = QUEUED_PER_WORKER * workers
         self._executor = executor
         self._model = model
+        self._run: Callable[[Any, FloatArray, Caution], Outcome] = run_batch
         self._batches: dict[concurrent.futures.Future[Outcome], Any] = {}
 
     @property
     def in_flight(self) -> int:
+        """Batches whose futures are not done, or not handed out."""
         return len(self._batches)
 
     def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
+        """Hand the rows X (n, d) of a batch to the executor."""
         try:
-            future = self._executor.submit(run_batch, self._model, x, caution)
+            future = self._executor.submit(self._run, self._model, x, caution)
         except RuntimeError as error:
             raise self._broken(error) from error
         self._batches[future] = batch
 
     def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
+        """Wait for the first future that is done, within `timeout` seconds."""
         done, _ = concurrent.futures.wait(
             self._batches, timeout, return_when=concurrent.futures.FIRST_COMPLETED
         )
@@ -186,9 +195,10 @@ class _FuturesRunner(Runner):
             return batch, future.result()
         except (Exception, concurrent.futures.CancelledError) as error:
             # what the model raises is part of an outcome, so this is the executor's own
-            raise self._broken(error) from error
+            return batch, self._without_outcome(error)
 
     def abandon(self) -> None:
+        """Cancel what has not begun, and end the runs that can be ended."""
         for future in self._batches:
             future.cancel()
         threads = isinstance(self._executor, concurrent.futures.ThreadPoolExecutor)
@@ -200,6 +210,10 @@ class _FuturesRunner(Runner):
                     break
                 concurrent.futures.wait(left, 0.02)
         self._batches.clear()
+
+    def _without_outcome(self, error: BaseException) -> Outcome:
+        """Return what can still be told of a batch that has no outcome, or raise."""
+        raise self._broken(error) from error
 
     def _broken(self, error: BaseException) -> ExecutorError:
         return ExecutorError(

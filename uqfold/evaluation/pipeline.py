@@ -17,6 +17,7 @@ import numpy as np
 
 from uqfold.algebra import program_blas_threads
 from uqfold.evaluation.batch import Caution
+from uqfold.evaluation.calling import shown
 from uqfold.evaluation.errors import BudgetExceededError, ModelError
 from uqfold.evaluation.executors import Runner
 from uqfold.evaluation.shelf import Shelf
@@ -63,6 +64,19 @@ class Batch:
     def is_last(self) -> bool:
         """Whether its block is complete with it."""
         return self.stop == self.y.size
+
+
+@dataclass(eq=False)
+class _Call:
+    """Rows of a batch that a worker runs the model on at once.
+
+    `later` are to follow one by one, as the rows of a batch do over which workers have died.
+    """
+
+    batch: Batch
+    rows: IntArray
+    later: IntArray
+    deaths: int = 0
 
 
 class BatchSize:
@@ -200,37 +214,61 @@ class Pipeline:
         return self.runner.in_flight < capacity and n_waiting < AHEAD * capacity
 
     def _begin(self, batch: Batch, *, is_first: bool) -> None:
-        """Hand over what is to be run."""
+        """Have the model run on the rows that are not known."""
         if batch.asked.size == 0:
             batch.done = True
             return
-        asks = self._in_doubt and self._in_question is None
-        if asks:
-            self._in_question = batch
         may_give_up = is_first and batch.full and not self._any_good
+        self._submit(_Call(batch, batch.asked, batch.asked[:0]), may_give_up)
+
+    def _submit(self, call: _Call, may_give_up: bool = False) -> None:
+        if self._in_doubt and self._in_question is None:
+            self._in_question = call.batch
+        caution = Caution(may_give_up, self._in_doubt and call.batch is self._in_question)
         with program_blas_threads():
-            self.runner.submit(batch, batch.x[batch.asked], Caution(may_give_up, asks))
+            self.runner.submit(call, call.batch.x[call.rows], caution)
 
     def _wait(self, check: Callable[[], None]) -> None:
-        """Wait until any batch is done, and keep its responses."""
+        """Wait until rows of any batch have been run, and keep their responses."""
         with program_blas_threads():
             while (found := self.runner.finished(WAKE_SECONDS)) is None:
                 check()
-        batch, outcome = found
+        call: _Call = found[0]
+        outcome = found[1]
         if outcome.unusable:
             raise ModelError(outcome.unusable)
-        if batch is self._in_question:
-            self._in_doubt, self._in_question = outcome.in_doubt, None
-        self._size.took(batch.asked.size, outcome.seconds)
+        if outcome.died and self._run_again(call):
+            return
+        batch, rows = call.batch, call.rows
+        batch.y[rows] = outcome.y
+        died = f"{outcome.died} at x = {shown(batch.x[rows[0]])}" if outcome.died else ""
+        batch.reason = batch.reason or outcome.reason or died
+        batch.done = call.later.size == 0
         self._any_good = self._any_good or not np.isnan(outcome.y).all()
-        batch.y[batch.asked] = outcome.y
-        batch.reason, batch.done = outcome.reason, True
+        self._size.took(rows.size, outcome.seconds)
+        if batch is self._in_question:
+            self._in_doubt = self._in_doubt and outcome.in_doubt
+            self._in_question = None if batch.done else batch
         if self._shelf is not None:
             if not self._in_doubt:
                 self._shelf.release()
             # one row alone has the response that it has, whatever the model makes of several
-            hold = self._in_doubt and batch.asked.size > 1
-            self._shelf.keep(batch.x, batch.y, batch.asked, outcome.seconds, hold=hold)
+            hold = self._in_doubt and rows.size > 1
+            self._shelf.keep(batch.x, batch.y, rows, outcome.seconds, hold=hold)
+        if not batch.done:
+            self._submit(_Call(batch, call.later[:1], call.later[1:]))
+
+    def _run_again(self, call: _Call) -> bool:
+        """Run rows again over which a worker has died; False if one row alone still does that."""
+        call.deaths += 1
+        alone = call.rows.size == 1
+        if call.deaths <= (self.runner.retries if alone else min(self.runner.retries, 1)):
+            self._submit(call)
+        elif not alone:
+            self._submit(_Call(call.batch, call.rows[:1], call.rows[1:]))
+        else:
+            return False
+        return True
 
     def _end(self) -> None:
         self._in_question = None

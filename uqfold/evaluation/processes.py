@@ -14,8 +14,6 @@ from itertools import count
 from multiprocessing.connection import wait
 from typing import Any
 
-import numpy as np
-
 from uqfold.checks import or_none, whole
 from uqfold.evaluation.batch import Caution, Outcome
 from uqfold.evaluation.calling import shown
@@ -37,9 +35,8 @@ class Processes(Executor):
     program.
 
     A worker that dies has its batch run again; when it dies again the rows are run one by one, and
-    a row that still kills `retries` + 1 workers is a failed run. With a time limit
-    (`Evaluator.seconds_per_run`) rows are run one by one, and a worker whose run takes too long is
-    killed: that run has failed.
+    a row that still kills `retries` + 1 workers is a failed run. With a limit on the time of a run
+    (`Evaluator.seconds_per_run`) a worker whose run takes too long is killed: that run has failed.
 
     Parameters
     ----------
@@ -97,12 +94,13 @@ class Processes(Executor):
 class _ProcessesRunner(Runner):
     def __init__(self, pool: Processes, model: bytes, seconds_per_run: float | None) -> None:
         self.capacity = QUEUED_PER_WORKER * pool.workers
+        self.retries = pool.retries
         self._pool = pool
         self._model = model
         self._token = next(_TOKENS)
         self._limit = seconds_per_run
         self._queue: deque[Job] = deque()
-        self._through: deque[Job] = deque()
+        self._through: deque[tuple[Any, Outcome]] = deque()
         self._deaths_while_loading = 0
 
     @property
@@ -110,7 +108,7 @@ class _ProcessesRunner(Runner):
         return len(self._queue) + len(self._pool.busy()) + len(self._through)
 
     def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
-        self._queue.append(Job(batch, x, caution, alone=self._limit is not None))
+        self._queue.append(Job(batch, x, caution))
         self._assign()
 
     def finished(self, timeout: float) -> tuple[Any, Outcome] | None:
@@ -128,8 +126,7 @@ class _ProcessesRunner(Runner):
                     self._end_overdue(worker)
             if now >= end and not self._through:
                 return None
-        job = self._through.popleft()
-        return job.batch, job.outcome()
+        return self._through.popleft()
 
     def abandon(self) -> None:
         self._queue.clear()
@@ -149,7 +146,7 @@ class _ProcessesRunner(Runner):
             if worker.token != self._token:
                 worker.token, worker.ready = self._token, False
                 worker.line.send(("model", self._model))
-            worker.line.send(("batch", (job.x[job.rows], job.caution)))
+            worker.line.send(("batch", (job.x, job.caution)))
         except OSError:
             self._bury(worker)
             return
@@ -177,44 +174,31 @@ class _ProcessesRunner(Runner):
                 worker.deadline = time.monotonic() + self._limit
             return
         assert worker.job is not None
-        worker.deadline = None
-        if worker.job.advance(content):
-            self._through.append(worker.job)
-            worker.job = None
-        else:
-            self._send(worker)
+        self._through.append((worker.job.batch, content))
+        worker.job = worker.deadline = None
 
     def _bury(self, worker: Worker) -> None:
-        """A worker has died: run its rows again, or give the one up that kills workers."""
+        """A worker has died: of its rows, unless it died before it had the model."""
         code, job = self._pool.discard(worker), worker.job
         assert job is not None
-        if not worker.ready:
-            self._deaths_while_loading += 1
-            if self._deaths_while_loading > self._pool.retries:
-                raise ExecutorError(
-                    f"worker processes end before they have loaded the model (exit code {code}): "
-                    "in a script, start the run below `if __name__ == '__main__':`"
-                )
-        job.deaths += worker.ready
-        if job.alone and job.deaths > self._pool.retries:
-            self._give_up(job, f"the model ended its process (exit code {code})")
+        if worker.ready:
+            died = f"the model ended its process (exit code {code})"
+            self._through.append((job.batch, Outcome.lost(died=died)))
             return
-        if job.deaths == 2 and not job.alone:
-            job.alone, job.deaths = True, 0
+        self._deaths_while_loading += 1
+        if self._deaths_while_loading > self._pool.retries:
+            raise ExecutorError(
+                f"worker processes end before they have loaded the model (exit code {code}): "
+                "in a script, start the run below `if __name__ == '__main__':`"
+            )
         self._queue.appendleft(job)
 
     def _end_overdue(self, worker: Worker) -> None:
         job = worker.job
         assert job is not None
         self._pool.discard(worker)
-        self._give_up(job, f"the run took longer than {self._limit:g} s")
-
-    def _give_up(self, job: Job, reason: str) -> None:
-        told = f"{reason} at x = {shown(job.x[job.done])}"
-        if job.advance(Outcome(np.full(1, np.nan), told, 0.0, job.caution.in_doubt)):
-            self._through.append(job)
-        else:
-            self._queue.appendleft(job)
+        reason = f"the run took longer than {self._limit:g} s at x = {shown(job.x[0])}"
+        self._through.append((job.batch, Outcome.lost(reason=reason)))
 
 
 def _kill_all(pool: list[Worker]) -> None:

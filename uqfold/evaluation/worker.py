@@ -8,13 +8,11 @@ import pickle
 import signal
 import threading
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
-import numpy as np
-
-from uqfold.evaluation.batch import Caution, Outcome, run_batch
+from uqfold.evaluation.batch import Caution, run_batch
 from uqfold.evaluation.guard import adopt_orphans, descendants, end_descendants
 from uqfold.typing import FloatArray
 
@@ -22,43 +20,12 @@ ENDING_SECONDS = 1.0
 """How long a worker may take to end what it has started."""
 
 
-@dataclass(eq=False)
-class Job:
-    """One batch; `alone`: its rows are run one by one, `done` of them are through."""
+class Job(NamedTuple):
+    """The rows X (n, d) of a batch, for a worker."""
 
     batch: Any
     x: FloatArray
     caution: Caution
-    alone: bool
-    done: int = 0
-    deaths: int = 0
-    seconds: float = 0.0
-    reason: str = ""
-    unusable: str = ""
-    y: FloatArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.y = np.full(self.x.shape[0], np.nan)
-
-    @property
-    def rows(self) -> slice:
-        """Rows to be run next."""
-        return slice(self.done, self.done + 1 if self.alone else self.x.shape[0])
-
-    def advance(self, outcome: Outcome) -> bool:
-        """Take the responses of `rows`; return whether the batch is through."""
-        rows = self.rows
-        self.y[rows] = outcome.y
-        self.reason = self.reason or outcome.reason
-        self.unusable = self.unusable or outcome.unusable
-        self.seconds += outcome.seconds
-        self.caution = replace(self.caution, in_doubt=outcome.in_doubt)
-        self.done, self.deaths = rows.stop, 0
-        return bool(self.done == self.x.shape[0])
-
-    def outcome(self) -> Outcome:
-        """Return the responses of the whole batch."""
-        return Outcome(self.y, self.reason, self.seconds, self.caution.in_doubt, self.unusable)
 
 
 @dataclass(eq=False)
