@@ -126,6 +126,9 @@ def _rule_of_recurrence(a: FloatArray, b: FloatArray) -> tuple[FloatArray, Float
     """Nodes (n,), weights (n,) and the orthonormal polynomials (n, n) at the nodes."""
     n = len(a)
     nodes = np.linalg.eigvalsh(np.diag(a) + np.diag(b, 1) + np.diag(b, -1))
+    if not np.any(a):
+        # symmetric to the last bit: rules of odd order share the middle node, and runs in a store
+        nodes = 0.5 * (nodes - nodes[::-1])
     p = np.ones((n, n))
     for k in range(n - 1):
         before = b[k - 1] * p[k - 1] if k else 0.0
