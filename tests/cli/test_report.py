@@ -36,21 +36,11 @@ def test_the_report_lies_beside_its_records(
 def test_markdown_brings_its_pictures(run_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("report", "run", "--format", "md") == 0
     out = capsys.readouterr().out
-    pictures = sorted(path.name for path in (run_dir / "report-figures").iterdir())
+    pictures = sorted(path.name for path in (run_dir / "figures").iterdir())
     n = len(pictures)
-    assert out == f"written: {Path('run', 'report.md')}, {n} pictures in report-figures\n"
+    assert out == f"written: {Path('run', 'report.md')}, {n} pictures in figures\n"
     text = (run_dir / "report.md").read_text(encoding="utf-8")
-    assert all(f"(report-figures/{name})" in text for name in pictures)
-
-
-def test_pictures_of_an_earlier_report_do_not_stay(run_dir: Path) -> None:
-    folder = run_dir / "report-figures"
-    folder.mkdir()
-    (folder / "99.svg").write_text("old", encoding="utf-8")
-    (folder / "mine.svg").write_text("mine", encoding="utf-8")
-    assert run("report", "run", "--format", "md") == 0
-    assert not (folder / "99.svg").exists()
-    assert (folder / "mine.svg").exists()
+    assert all(f"(figures/{name})" in text for name in pictures)
 
 
 def test_the_name_of_the_file_says_the_format(run_dir: Path) -> None:
@@ -64,8 +54,8 @@ def test_the_name_of_the_file_says_the_format(run_dir: Path) -> None:
     ("words", "said"),
     [
         (["nowhere"], "nowhere: No such file or directory"),
-        (["run", "--format", "pdf"], "format 'pdf': choose from html, md"),
-        (["run", "--out", "report.txt"], "format 'txt': choose from html, md"),
+        (["run", "--format", "pdf"], "format = 'pdf': choose from 'html', 'md'"),
+        (["run", "--out", "report.txt"], "suffix of path = 'txt': choose from 'html', 'md'"),
         (["run/comparison.csv"], "comparison.csv is no readable record"),
         ([], "RUN_DIR"),
     ],

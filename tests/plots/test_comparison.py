@@ -13,16 +13,13 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
-from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told, toy_records
+from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told
+from tests.comparison.fakes import toy_frame as frame
 from uqfold import plots
 from uqfold.methods import available
 from uqfold.problems.criterion import criteria
 
 SHORT = criteria(THRESHOLDS)
-
-
-def frame(*given: Any, **named: Any) -> pd.DataFrame:
-    return toy_records(*given, **named).to_frame()
 
 
 @pytest.fixture(scope="module")
@@ -170,6 +167,14 @@ def test_many_methods_and_panels_are_drawn() -> None:
     assert width < 9.0
 
 
+def test_names_of_any_length_and_signs_are_drawn(tmp_path: Path) -> None:
+    methods = {"a $name that no figure has room for, and no mathematics": Told(), "b$_": Told()}
+    for grid in (SHORT, criteria(12.0)):
+        own = frame(grid, methods)
+        plots.save(plots.comparison(own), tmp_path / "names")
+        plots.save(plots.error_against_evaluations(own), tmp_path / "names")
+
+
 def test_rows_without_answer_leave_gaps(whole: pd.DataFrame) -> None:
     hole = whole.copy()
     hole.loc[hole["threshold"] == 12.0, ["pf", "error"]] = math.nan
@@ -267,11 +272,11 @@ def test_settings_of_the_caller_stay_and_no_window_is_involved(
     assert dict(mpl.rcParams) == before
     code = (
         "import sys\n"
-        "from tests.comparison.fakes import toy_records, Told\n"
+        "from tests.comparison.fakes import toy_frame, Told\n"
         "from uqfold.problems.criterion import criteria\n"
         "from uqfold import plots\n"
-        "records = toy_records(criteria([11.0, 12.0]), {'exact': Told()})\n"
-        f"plots.save(plots.comparison(records.to_frame()), {str(tmp_path / 'two')!r})\n"
+        "records = toy_frame(criteria([11.0, 12.0]), {'exact': Told()})\n"
+        f"plots.save(plots.comparison(records), {str(tmp_path / 'two')!r})\n"
         "print('matplotlib.pyplot' in sys.modules)\n"
     )
     done = subprocess.run(

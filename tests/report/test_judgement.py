@@ -1,37 +1,46 @@
 """How methods are judged, and what the first screen says of them."""
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 
 import pytest
 
-from tests.comparison.fakes import METHODS, Told, toy_records
-from uqfold.comparison import Records
+from tests.comparison.fakes import METHODS, Told, toy_frame
 from uqfold.methods import ReliabilityMethod
+from uqfold.plots.wording import Row
 from uqfold.problems.criterion import criteria
+from uqfold.report import Page
 from uqfold.report.judgement import Judgement, judgements, spreads
-from uqfold.report.page.blocks import Card, Cards, plain
-from uqfold.report.summary import summary_blocks
+from uqfold.report.page.builder import Card
+from uqfold.report.page.markup import plain
+from uqfold.report.summary import add_summary
+
+
+def rows_of(*given: object, **named: object) -> Sequence[Row]:
+    return toy_frame(*given, **named).to_dict("records")  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
-def records() -> Records:
-    return toy_records()
+def rows() -> Sequence[Row]:
+    return rows_of()
 
 
-def judged(records: Records) -> dict[str, Judgement]:
-    return {one.label: one for one in judgements(records)}
+def judged(rows: Sequence[Row]) -> dict[str, Judgement]:
+    return {one.label: one for one in judgements(rows)}
+
+
+def cards_of(rows: Sequence[Row]) -> dict[str, Card]:
+    page = Page("some")
+    add_summary(page, rows)
+    return {block.title: block for block in page.blocks if isinstance(block, Card)}
 
 
 def cards(methods: dict[str, ReliabilityMethod], *, referenced: bool = True) -> dict[str, Card]:
-    found = toy_records(criteria([12.0, 13.0]), methods, referenced=referenced)
-    block = summary_blocks(found)[0]
-    assert isinstance(block, Cards)
-    return {card.title: card for card in block.cards}
+    return cards_of(rows_of(criteria([12.0, 13.0]), methods, referenced=referenced))
 
 
-def test_counts_errors_and_costs(records: Records) -> None:
-    found = judged(records)
+def test_counts_errors_and_costs(rows: Sequence[Row]) -> None:
+    found = judged(rows)
     exact, biased, broken = found["exact"], found["biased"], found["broken"]
     assert (exact.right, exact.referenced, exact.always_right) == (12, 12, True)
     assert (biased.right, biased.answered, biased.asked) == (0, 6, 12)
@@ -44,25 +53,23 @@ def test_counts_errors_and_costs(records: Records) -> None:
 
 @pytest.mark.parametrize(("bias", "right"), [(0.0999, 1), (0.1001, 0), (-0.0999, 1), (-0.11, 0)])
 def test_right_is_within_ten_percent(bias: float, right: int) -> None:
-    records = toy_records(criteria(12.0), {"one": Told(bias=bias)})
-    assert judged(records)["one"].right == right
+    found = rows_of(criteria(12.0), {"one": Told(bias=bias)})
+    assert judged(found)["one"].right == right
 
 
 def test_a_reference_that_cannot_tell_condemns_nobody() -> None:
-    records = toy_records(criteria(12.0), {"one": Told(bias=0.3)})
-    (row,) = records.rows
+    (row,) = rows_of(criteria(12.0), {"one": Told(bias=0.3)})
     vague = {**row, "reference_std_error": 0.2 * row["reference_pf"]}
-    assert judged(replace(records, rows=(vague,)))["one"].right == 1
+    assert judged([vague])["one"].right == 1
 
 
 def test_an_interval_covers_within_what_the_reference_knows() -> None:
-    records = toy_records(criteria(12.0), {"sampled": METHODS["sampled"]})
-    (row,) = records.rows
+    (row,) = rows_of(criteria(12.0), {"sampled": METHODS["sampled"]})
     pf, error = row["reference_pf"], row["reference_std_error"]
     near = {**row, "ci_low": pf + 1.9 * error, "ci_high": 1.0}
     beyond = {**row, "ci_low": pf + 2.1 * error, "ci_high": 1.0}
-    assert judged(replace(records, rows=(near,)))["sampled"].covering == 1
-    assert judged(replace(records, rows=(beyond,)))["sampled"].covering == 0
+    assert judged([near])["sampled"].covering == 1
+    assert judged([beyond])["sampled"].covering == 0
 
 
 def test_the_cheapest_of_the_right_ones_is_named() -> None:
@@ -88,8 +95,8 @@ def test_without_a_reference_agreement_is_told_and_not_called_right() -> None:
     assert card.tone == "warn"
     assert "nobody knows here who is right" in plain(card.more[-1])
     assert "right" not in plain(found["At what cost?"].more[0])
-    records = toy_records(criteria(12.0), {"one": Told(), "other": Told(bias=0.25)})
-    assert spreads(records) == [pytest.approx(0.25)]
+    apart = rows_of(criteria(12.0), {"one": Told(), "other": Told(bias=0.25)})
+    assert spreads(apart) == [pytest.approx(0.25)]
 
 
 def test_without_any_answer_nothing_is_praised() -> None:
@@ -107,8 +114,6 @@ def test_answers_without_an_error_are_counted_and_not_called_converged() -> None
 
 
 def test_what_is_not_supported_is_no_failure() -> None:
-    records = toy_records(methods={"biased": METHODS["biased"]})
-    block = summary_blocks(records)[0]
-    assert isinstance(block, Cards)
-    assert plain(block.cards[2].answer) == "Nothing"
-    assert plain(block.cards[2].more[0]) == "6 of 12 answers are outside what a method can do."
+    card = cards_of(rows_of(methods={"biased": METHODS["biased"]}))["What failed?"]
+    assert plain(card.answer) == "Nothing"
+    assert plain(card.more[0]) == "6 of 12 answers are outside what a method can do."

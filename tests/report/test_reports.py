@@ -5,32 +5,36 @@ import math
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import uqfold
-from tests.comparison.fakes import GRID, METHODS, Told, toy_records
+from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
 from tests.report.page.reading import Element, read
-from uqfold.comparison import Records, RecordsError, write_records
+from uqfold.comparison import RecordsError, write_records
 from uqfold.problems.criterion import Binomial, criteria
 from uqfold.report import report_page, write_report
 from uqfold.report.methods_section import parsed_settings
-from uqfold.report.page import page_html
 
 HOSTILE = "</script><script>stolen()</script><img src=x onerror=stolen()>"
 
 
 @pytest.fixture(scope="module")
-def records() -> Records:
-    return toy_records()
+def frame() -> pd.DataFrame:
+    return toy_frame()
 
 
 @pytest.fixture(scope="module")
-def root(records: Records) -> Element:
-    return read(page_html(report_page(records)))
+def root(frame: pd.DataFrame) -> Element:
+    return read(html_of(frame))
+
+
+def html_of(source: Any) -> str:
+    return report_page(source).html()
 
 
 def section(root: Element, anchor: str) -> Element:
@@ -43,10 +47,10 @@ def cells(root: Element, anchor: str) -> list[list[str]]:
     return [[cell.text.strip() for cell in row.children] for row in body.all("tr")]
 
 
-def test_every_row_of_the_records_is_in_the_table(records: Records, root: Element) -> None:
+def test_every_row_of_the_records_is_in_the_table(frame: pd.DataFrame, root: Element) -> None:
     rows = cells(root, "all-answers")
-    assert len(rows) == len(records.rows)
-    for shown, row in zip(rows, records.rows, strict=True):
+    assert len(rows) == len(frame)
+    for shown, row in zip(rows, frame.to_dict("records"), strict=True):
         assert shown[0] == row["label"]
         assert float(shown[1]) == row["threshold"]
         assert (shown[4] == "-") == math.isnan(row["pf"])
@@ -59,17 +63,14 @@ def test_what_methods_say_is_said_once(root: Element) -> None:
     assert said.count("told not to answer tau") == 1
 
 
-def test_curves_hold_every_answer_on_both_axes(records: Records, root: Element) -> None:
-    groups = [one for one in section(root, "curves").all("g") if one.attributes.get("data-key", "")]
-    points = [path for group in groups for path in group.all("path") if path.all("title")]
-    told = [point.all("title")[0].text for point in points]
-    for row in records.rows:
-        where = f"T = {row['threshold']:g} mm, "
-        own = [text for text in told if text.startswith(where)]
-        assert own
-    answers = sum(not math.isnan(row["pf"]) for row in records.rows)
-    # each on two axes, and so is the reference
-    assert len(points) == 2 * (answers + len(GRID))
+def test_the_figure_holds_every_answer(frame: pd.DataFrame, root: Element) -> None:
+    groups = [one for one in section(root, "curves").all("g") if "data-gid" in one.attributes]
+    titles = {
+        id(t): t.text for group in groups for use in group.all("use") for t in use.all("title")
+    }
+    assert len(titles) == frame["pf"].notna().sum() + len(GRID)
+    for threshold in frame["threshold"]:
+        assert any(text.startswith(f"T = {threshold:g} mm, ") for text in titles.values())
 
 
 def test_the_methods_section_says_what_was_run(root: Element) -> None:
@@ -102,19 +103,17 @@ def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
     assert "References 1, 4, 5." in " ".join(section(root, "method-2").text.split())
 
 
-def test_folder_records_and_frame_give_one_report(records: Records, tmp_path: Path) -> None:
-    write_records(records.to_frame(), tmp_path)
-    from_folder = page_html(report_page(tmp_path))
-    assert from_folder == page_html(report_page(records))
-    assert from_folder == page_html(report_page(records.to_frame()))
+def test_folder_and_frame_give_one_report(frame: pd.DataFrame, tmp_path: Path) -> None:
+    write_records(frame, tmp_path)
+    assert html_of(tmp_path) == html_of(tmp_path / "comparison.json") == html_of(frame)
 
 
-def test_a_frame_without_its_header_still_gives_a_report(records: Records) -> None:
-    frame = records.to_frame()
-    frame.attrs.clear()
-    root = read(page_html(report_page(frame)))
+def test_a_frame_without_its_header_still_gives_a_report(frame: pd.DataFrame) -> None:
+    bare = frame.copy()
+    bare.attrs.clear()
+    root = read(html_of(bare))
     assert "not recorded" in section(root, "methods").text
-    assert len(cells(root, "all-answers")) == len(records.rows)
+    assert len(cells(root, "all-answers")) == len(frame)
 
 
 def spoiled(value: Any) -> Any:
@@ -128,9 +127,9 @@ def spoiled(value: Any) -> Any:
 
 
 def test_records_full_of_markup_give_a_report_full_of_text(
-    records: Records, tmp_path: Path
+    frame: pd.DataFrame, tmp_path: Path
 ) -> None:
-    _, path = write_records(records.to_frame(), tmp_path)
+    _, path = write_records(frame, tmp_path)
     document = json.loads(path.read_text(encoding="utf-8"))
     columns = document["columns"]
     # whoever makes up a record can leave its digest out
@@ -140,7 +139,7 @@ def test_records_full_of_markup_give_a_report_full_of_text(
     for entry in [*document["methods"], *document["rows"]]:
         entry["label"] += HOSTILE
     path.write_text(json.dumps(document), encoding="utf-8")
-    root = read(page_html(report_page(path)))
+    root = read(html_of(path))
     assert root.text.count(HOSTILE) > 100
     assert len(root.all("script")) == 1
     assert root.all("img") == []
@@ -151,14 +150,13 @@ def test_records_full_of_markup_give_a_report_full_of_text(
     assert "<script" not in outside
 
 
-def test_nothing_that_records_name_is_imported(records: Records, tmp_path: Path) -> None:
-    header = records.header
-    named = tuple(
-        replace(entry, method="antigravity", settings="this.that(import='antigravity')")
-        for entry in header.methods
-    )
-    rows = tuple({**row, "method": "antigravity"} for row in records.rows)
-    write_records(Records(replace(header, methods=named), rows).to_frame(), tmp_path)
+def test_nothing_that_records_name_is_imported(frame: pd.DataFrame, tmp_path: Path) -> None:
+    named = frame.assign(method="antigravity")
+    header = deepcopy(frame.attrs["uqfold-comparison"])
+    for entry in header["methods"]:
+        entry |= {"method": "antigravity", "settings": "this.that(import='antigravity')"}
+    named.attrs["uqfold-comparison"] = header
+    write_records(named, tmp_path)
     code = (
         "import sys, uqfold.report\n"
         f"uqfold.report.write_report({str(tmp_path)!r}, {str(tmp_path / 'r.html')!r})\n"
@@ -186,25 +184,26 @@ def test_nothing_that_records_name_is_imported(records: Records, tmp_path: Path)
 @pytest.mark.parametrize("referenced", [True, False])
 def test_reports_of_unusual_comparisons(grid: Any, methods: Any, referenced: bool) -> None:
     finite = all(math.isfinite(one.threshold) for one in grid)
-    records = toy_records(grid, methods, referenced=referenced and finite)
-    root = read(page_html(report_page(records)))
-    assert len(cells(root, "all-answers")) == len(records.rows)
+    frame = toy_frame(grid, methods, referenced=referenced and finite)
+    root = read(html_of(frame))
+    assert len(cells(root, "all-answers")) == len(frame)
     assert not re.search(r"(?<![\w-])nan(?!\w)", root.all("main")[0].text)
 
 
-def test_an_interrupted_comparison_says_what_is_missing(records: Records) -> None:
-    rows = tuple(row for row in records.rows if row["label"] in ("exact", "biased"))
-    text = page_html(report_page(Records(records.header, rows)))
-    assert "Interrupted: no rows of sampled, broken." in text
-    assert "No method has finished" in page_html(report_page(Records(records.header, ())))
+def test_an_interrupted_comparison_says_what_is_missing(frame: pd.DataFrame) -> None:
+    part = frame[frame["label"].isin(["exact", "biased"])]
+    part.attrs["uqfold-comparison"] = {
+        **frame.attrs["uqfold-comparison"], "finished": ["exact", "biased"]
+    }  # fmt: skip
+    assert "Interrupted: no rows of sampled, broken." in html_of(part)
 
 
 def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
     (tmp_path / "comparison.json").write_text("{}", encoding="utf-8")
     with pytest.raises(RecordsError, match="no readable record"):
         report_page(tmp_path)
-    with pytest.raises(ValueError, match="choose from html, md"):
-        write_report(toy_records(), tmp_path / "report.pdf")
+    with pytest.raises(ValueError, match="choose from 'html', 'md'"):
+        write_report(toy_frame(), tmp_path / "report.pdf")
 
 
 @pytest.mark.parametrize(
@@ -224,7 +223,7 @@ def test_settings_are_taken_apart_but_not_evaluated(text: str, found: Any) -> No
     assert parsed_settings(text) == found
 
 
-def test_more_rows_than_a_page_can_show_are_refused(records: Records) -> None:
+def test_more_rows_than_a_page_can_show_are_refused(frame: pd.DataFrame) -> None:
     """A frame of 1e5 rows took minutes, and made a page of 180 MB."""
     with pytest.raises(ValueError, match=r"has 20,000 rows, a report shows 10,000 at most: select"):
-        report_page(replace(records, rows=records.rows[:1] * 20_000))
+        report_page(pd.concat([frame[:1]] * 20_000))

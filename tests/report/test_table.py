@@ -2,13 +2,12 @@
 
 import io
 import re
-from dataclasses import replace
 
+import pandas as pd
 import pytest
 from rich.console import Console
 
-from tests.comparison.fakes import GRID, METHODS, Told, toy_records
-from uqfold.comparison import Records
+from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
 from uqfold.problems.criterion import criteria
 from uqfold.report import ComparisonTable
 from uqfold.report.wording import criterion_text
@@ -16,21 +15,21 @@ from uqfold.report.wording import criterion_text
 ANSI = re.compile(r"\x1b\[")
 
 
-def printed(records: Records, width: int, *, terminal: bool = False) -> str:
+def printed(frame: pd.DataFrame, width: int, *, terminal: bool = False) -> str:
     console = Console(file=io.StringIO(), width=width, force_terminal=terminal, no_color=False)
-    console.print(ComparisonTable(records))
+    console.print(ComparisonTable(frame))
     assert isinstance(console.file, io.StringIO)
     return console.file.getvalue()
 
 
 @pytest.fixture(scope="module")
-def records() -> Records:
-    return toy_records()
+def frame() -> pd.DataFrame:
+    return toy_frame()
 
 
 @pytest.mark.parametrize("width", [80, 100, 120, 200])
-def test_fits_the_width_with_one_line_per_row(records: Records, width: int) -> None:
-    lines = printed(records, width).splitlines()
+def test_fits_the_width_with_one_line_per_row(frame: pd.DataFrame, width: int) -> None:
+    lines = printed(frame, width).splitlines()
     assert max(map(len, lines)) <= width
     for label in METHODS:
         rows = [line for line in lines if line.startswith(f"  {label} ")]
@@ -38,28 +37,29 @@ def test_fits_the_width_with_one_line_per_row(records: Records, width: int) -> N
         assert len(rows) == len(GRID) + 1
 
 
-def test_no_colour_and_no_boxes_unless_on_a_terminal(records: Records) -> None:
-    plain = printed(records, 100)
+def test_no_colour_and_no_boxes_unless_on_a_terminal(frame: pd.DataFrame) -> None:
+    plain = printed(frame, 100)
     assert not ANSI.search(plain)
     assert not re.search("[─-╿]", plain)
-    assert ANSI.search(printed(records, 100, terminal=True))
+    assert ANSI.search(printed(frame, 100, terminal=True))
 
 
-def test_groups_are_headed_by_criterion_and_reference(records: Records) -> None:
-    text = printed(records, 120)
+def test_groups_are_headed_by_criterion_and_reference(frame: pd.DataFrame) -> None:
+    text = printed(frame, 120)
     for one in GRID:
         key = (one.threshold, one.tau, str(one.missions))
         (head,) = [
             line for line in text.splitlines() if line.startswith(f"{criterion_text(key, 'mm')}  ")
         ]
-        row = next(r for r in records.rows if (r["threshold"], r["missions"]) == (key[0], key[2]))
+        same = (frame["threshold"] == key[0]) & (frame["missions"] == key[2])
+        row = frame[same].iloc[0]
         assert "reference pf" in head
         if one.tau is None:
             assert f"{row['reference_pf']:.3e}".replace("e-0", "e-") in head
 
 
 def test_a_criterion_without_a_reference_says_so() -> None:
-    text = printed(toy_records(referenced=False), 120)
+    text = printed(toy_frame(referenced=False), 120)
     assert text.count("no reference") == len(GRID)
     assert "Eq. (49)" not in text
 
@@ -70,18 +70,17 @@ def test_every_cell_is_right() -> None:
         "exact": Told(n=150_000),
         "broken": METHODS["broken"],
     }
-    records = toy_records(criteria(12.0), methods)
-    rows = tuple({**row, "seconds": 0.5} for row in records.rows)
-    lines = [line.split() for line in printed(replace(records, rows=rows), 120).splitlines()]
-    pf = f"{1.2 * rows[0]['reference_pf']:.3e}".replace("e-0", "e-")
+    frame = toy_frame(criteria(12.0), methods).assign(seconds=0.5)
+    lines = [line.split() for line in printed(frame, 120).splitlines()]
+    pf = f"{1.2 * frame['reference_pf'][0]:.3e}".replace("e-0", "e-")
     assert ["biased", pf, "none", "20.0", "%", "250", "500", "ms", "unchecked"] in lines
     assert ["broken", "-", "-", "-", "0", "500", "ms", "failed", "[2]"] in lines
     # 150,000 runs are beyond the budget of 5,000
     assert ["exact", "-", "-", "-", "0", "500", "ms", "failed", "[1]"] in lines
 
 
-def test_what_a_method_refuses_costs_nothing(records: Records) -> None:
-    rows = [line.split() for line in printed(records, 120).splitlines() if "unsupported" in line]
+def test_what_a_method_refuses_costs_nothing(frame: pd.DataFrame) -> None:
+    rows = [line.split() for line in printed(frame, 120).splitlines() if "unsupported" in line]
     assert len(rows) == len(GRID) / 2
     assert {tuple(row[:5]) for row in rows} == {("biased", "-", "-", "-", "-")}
 
@@ -89,14 +88,14 @@ def test_what_a_method_refuses_costs_nothing(records: Records) -> None:
 def test_an_error_that_the_reference_cannot_judge_is_marked() -> None:
     # the references of the fakes have a standard error of 1 %
     methods = {"within": Told(bias=0.0199), "beyond": Told(bias=0.0201)}
-    text = printed(toy_records(criteria(12.0), methods), 120)
+    text = printed(toy_frame(criteria(12.0), methods), 120)
     assert "~2.0 %" in next(line for line in text.splitlines() if "within" in line)
     assert "~" not in next(line for line in text.splitlines() if "beyond" in line)
     assert "~          below two standard errors of the reference" in text
 
 
-def test_messages_stand_below_once_each_and_converged_rows_have_none(records: Records) -> None:
-    text = printed(records, 120)
+def test_messages_stand_below_once_each_and_converged_rows_have_none(frame: pd.DataFrame) -> None:
+    text = printed(frame, 120)
     body, _, notes = text.partition("\n  interval ")
     assert "ArithmeticError" not in body
     # brackets in a message are text, not markup
@@ -108,22 +107,22 @@ def test_messages_stand_below_once_each_and_converged_rows_have_none(records: Re
 
 
 def test_bounds_from_failed_runs_are_told() -> None:
-    records = toy_records(criteria(12.0), {"exact": Told()})
-    rows = ({**records.rows[0], "status": "doubtful", "pf_low": 0.01, "message": "1 run failed"},)
-    text = printed(replace(records, rows=rows), 120)
+    frame = toy_frame(criteria(12.0), {"exact": Told()})
+    frame = frame.assign(status="doubtful", pf_low=0.01, message="1 run failed")
+    text = printed(frame, 120)
     assert "1 run failed; with the failed runs pf may be 1.00e-2 to " in text
 
 
-def test_a_narrow_terminal_loses_nothing(records: Records) -> None:
-    narrow = "".join(printed(records, 50).split())
-    for row in records.rows:
-        assert row["label"] in narrow
+def test_a_narrow_terminal_loses_nothing(frame: pd.DataFrame) -> None:
+    narrow = "".join(printed(frame, 50).split())
+    for label in frame["label"]:
+        assert label in narrow
     assert "unsupported[1]" in narrow
     assert "ArithmeticError:apole[atzero]" in narrow
 
 
-def test_the_summary_counts_answers_and_errors(records: Records) -> None:
-    lines = [line.split() for line in printed(records, 120).splitlines()]
+def test_the_summary_counts_answers_and_errors(frame: pd.DataFrame) -> None:
+    lines = [line.split() for line in printed(frame, 120).splitlines()]
     start = lines.index(
         ["whole", "run", "answered", "median", "error", "largest", "evaluations", "time"]
     )

@@ -14,17 +14,15 @@ from rich.console import Console
 
 from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.streams import EXIT_USAGE, os_error_text, shown_path
-from uqfold.comparison.entries import records_from_frame
 from uqfold.comparison.plan import ComparisonPlan
 from uqfold.comparison.records import write_records
 from uqfold.comparison.run import run_comparison
 from uqfold.evaluation import EngineError, FailedRunError, Store
 from uqfold.problems.base import Problem
 from uqfold.report.figures import figure_paths, write_figures
-from uqfold.report.layout import hanging
 from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
 from uqfold.report.progress_lines import ProgressLines
-from uqfold.report.table import ComparisonTable
+from uqfold.report.table import ComparisonTable, noted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,17 +127,15 @@ class ComparisonSession:
 
     def _report(self, frame: pd.DataFrame) -> None:
         out = stdout_console(quiet=self.quiet)
-        records = records_from_frame(frame)
         try:
-            out.print(ComparisonTable(records))
+            out.print(ComparisonTable(frame))
         finally:
             # the files are written whether or not anybody can read the table
             if self.figures:
                 self._written += write_figures(frame, self.folder)
         names = ", ".join(path.name for path in self._written)
         out.print()
-        for line in hanging(f"written to {shown_path(self.folder)}: ", names, out.width):
-            out.print(line, highlight=False)
+        out.print(noted({f"written to {shown_path(self.folder)}: ": names}))
 
     def _say_interrupted(self) -> None:
         finished = [] if self.frame is None else list(dict.fromkeys(self.frame["label"]))

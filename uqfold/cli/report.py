@@ -36,15 +36,14 @@ def report_command(
 ) -> None:
     """Write a report."""
     from uqfold.cli.streams import os_error_text, shown_path
-    from uqfold.report.page.write import page_format, write_page
-    from uqfold.report.reports import STEM, report_page
+    from uqfold.report.page.builder import page_format
+    from uqfold.report.reports import STEM, write_report
 
     try:
         if out is None:
-            form = "html" if format is None else page_format("", format)
+            form = page_format(Path(), format or "html")
             out = (run_dir if run_dir.is_dir() else run_dir.parent) / f"{STEM}.{form}"
-        form = page_format(out, format)
-        written = write_page(report_page(run_dir), out, form)
+        written = write_report(run_dir, out, format=format)
     except OSError as error:
         raise typer.BadParameter(os_error_text(error)) from error
     except ValueError as error:

@@ -30,6 +30,7 @@ from uqfold.plots.wording import (
     criterion_key,
     criterion_text,
     finite,
+    in_figure,
     panel_key,
     panel_text,
     percent,
@@ -114,16 +115,17 @@ def comparison(frame: pd.DataFrame) -> Figure:
         draw = drawing.curves if curves else drawing.lines
         draw(part, {key: panels[key] for key in block}, abreast)
     _legend(figure, drawing)
-    figure.suptitle(
-        f"{rows[0]['problem']}: {_title(drawing.by)}", x=0.01, ha="left", fontweight="bold"
-    )
+    title = f"{in_figure(rows[0]['problem'], 40)}: {_title(drawing.by)}"
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     return figure
 
 
 def _title(by: Yardstick | None) -> str:
     if by is None:
         return "failure probability"
-    return f"methods against {by.name}" + ("" if by.name == REFERENCE else ", without a reference")
+    return f"methods against {in_figure(by.name)}" + (
+        "" if by.name == REFERENCE else ", without a reference"
+    )
 
 
 def yardstick(rows: Sequence[Row]) -> Yardstick | None:
@@ -171,7 +173,7 @@ class _Drawing:
         for row in self.rows:
             level, *band = self.by.level(row)
             # long intervals are cut off rather than squeeze the rest
-            for end, most in ((row["pf"], _SPREADS[-1]), *((one, 2.0) for one in
+            for end, most in ((row["pf"], _SPREADS[-1]), *((one, 1.9) for one in
                               (row["ci_low"], row["ci_high"], *band))):  # fmt: skip
                 if end > SMALLEST_PF and level > 0.0:
                     ratio = math.exp(abs(math.log(end / level)))
@@ -198,21 +200,22 @@ class _Drawing:
             axes.tick_params(axis="x", bottom=False)
         for column, (key, rows) in zip(grid.T, panels.items(), strict=False):
             name = panel_text(key, self.unit)
-            column[0].set_title(name, loc="left")
+            column[0].set_title(in_figure(name, 48), loc="left")
             self._pf_curve(column[0], rows, name)
             for axes, label in zip(column[1:], below, strict=True):
                 self._ratio_row(axes, label, [row for row in rows if row["label"] == label], name)
-            unit = f" ({self.unit})" if self.unit else ""
+            unit = f" ({in_figure(self.unit, 12)})" if self.unit else ""
+            response = in_figure(self.header.get("response", "response"))
             column[-1].locator_params(axis="x", nbins=5 if abreast < ABREAST else 4)
-            column[-1].set_xlabel(f"threshold T on {self.header.get('response', 'response')}{unit}")
+            column[-1].set_xlabel(f"threshold T on {response}{unit}")
         self._pf_limits(grid[0, 0])
         grid[0, 0].set_ylabel("failure probability pf")
         for axes, label in zip(grid[1:, 0], below, strict=True):
-            axes.set_ylabel(label, rotation=0, ha="right", va="center")
+            axes.set_ylabel(in_figure(label), rotation=0, ha="right", va="center")
         for axes, label in zip(grid[1:, len(panels) - 1], below, strict=True):
             self._remark(axes, label)
         if self.by:
-            said = f"pf / pf of {self.by.name}"
+            said = f"pf / pf of {in_figure(self.by.name)}"
             grid[1, 0].set_title(said, loc="left", fontsize=8.0, color=SOFT_COLOR)
 
     def _pf_curve(self, axes: Axes, rows: Sequence[Row], name: str) -> None:
@@ -275,13 +278,13 @@ class _Drawing:
         places = {label: float(i) for i, label in enumerate(self.styles)}
         for axes, (key, rows) in zip(grid, panels.items(), strict=False):
             name = panel_text(key, self.unit)
-            title = criterion_text(criterion_key(rows[0]), self.unit)
+            title = in_figure(criterion_text(criterion_key(rows[0]), self.unit), 48)
             axes.set_gid(gid(criterion=name))
             if self.by:
                 pf, low, high = self.by.level(rows[0])
                 axes.axvspan(low / pf, high / pf, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
                 axes.axvline(1.0, **REFERENCE_LINE)
-                title += f"\n{self.by.name}: pf = {probability(pf, 4)}"
+                title += f"\n{in_figure(self.by.name)}: pf = {probability(pf, 4)}"
             axes.set_title(title, loc="left")
             for label, place in places.items():
                 own = [row for row in rows if row["label"] == label]
@@ -294,11 +297,11 @@ class _Drawing:
                     tell(at, belongs)
             if self.by:
                 self._ratio_axis(axes, "x")
-                axes.set_xlabel(f"pf / pf of {self.by.name}")
+                axes.set_xlabel(f"pf / pf of {in_figure(self.by.name)}")
             else:
                 axes.set_xlabel("failure probability pf")
             axes.grid(visible=False, axis="y")
-        grid[0].set_yticks(list(places.values()), list(places))
+        grid[0].set_yticks(list(places.values()), list(map(in_figure, places)))
         grid[0].set_ylim(len(places) - 0.4, -0.6)
         if not self.by:
             self._lines_limits(grid[0])
@@ -407,7 +410,7 @@ def _legend(figure: Figure, drawing: _Drawing) -> None:
         band = f"its ± {REFERENCE_STANDARD_ERRORS:g} standard errors"
         if drawing.by.name != REFERENCE:
             band = "its interval"
-        handles += [Line2D([], [], **REFERENCE_LINE, label=drawing.by.name),
+        handles += [Line2D([], [], **REFERENCE_LINE, label=in_figure(drawing.by.name)),
                     Patch(color=BAND_COLOR, label=band)]  # fmt: skip
     if any(not math.isnan(row["ci_low"] + row["ci_high"]) for row in drawing.rows):
         handles.append(Line2D([], [], color=SOFT_COLOR, marker="|", markersize=6.0,

@@ -24,6 +24,7 @@ from uqfold.plots.wording import (
     answer_text,
     comparison_rows,
     finite,
+    in_figure,
     panel_key,
     panel_text,
     percent,
@@ -103,7 +104,9 @@ def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Ax
     _draw_resolution(ax, clouds, low)
     ax.set_xlabel("evaluations of the model")
     ax.set_ylabel("error of the failure probability, Eq. (49)")
-    ax.set_title(f"{rows[0]['problem']}: error against cost", loc="left", fontweight="bold")
+    ax.set_title(
+        f"{in_figure(rows[0]['problem'], 40)}: error against cost", loc="left", fontweight="bold"
+    )
     _add_legend(ax, clouds, [styles[cloud.label] for cloud in clouds])
     return ax
 
@@ -216,7 +219,8 @@ def _add_legend(ax: Axes, clouds: Sequence[Cloud], styles: Sequence[MethodStyle]
                       markersize=size, markerfacecolor=face, label=label)  # fmt: skip
 
     handles: list[Artist] = [
-        sign(style, 6.5, None, cloud.label) for cloud, style in zip(clouds, styles, strict=True)
+        sign(style, 6.5, None, in_figure(cloud.label))
+        for cloud, style in zip(clouds, styles, strict=True)
     ]
     grey = MethodStyle(SOFT_COLOR, "o")
     handles.append(sign(grey, 11.0, grey.pale, "median of the criteria"))

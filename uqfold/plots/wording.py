@@ -125,6 +125,19 @@ def finite(values: Iterable[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
 
 
+def in_figure(text: str, most: int = 28) -> str:
+    """Return a name as a figure shows it: cut where it is long, and no mathematics.
+
+    Examples
+    --------
+    >>> in_figure("a method with a name that is longer than its curve")
+    'a method with a name that i…'
+    """
+    line = " ".join(text.split())
+    cut = line if len(line) <= most else f"{line[: most - 1]}…"
+    return cut.replace("$", r"\$")
+
+
 def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
     """Return the rows of a comparison.
 

@@ -8,10 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from uqfold.comparison.columns import Row
-from uqfold.comparison.records import Records
 from uqfold.methods.result import STATUSES
-from uqfold.report.wording import REFERENCE_STANDARD_ERRORS, criterion_key, finite
+from uqfold.plots.wording import REFERENCE_STANDARD_ERRORS, Row, criterion_key, finite
 
 RIGHT_WITHIN = 0.10
 """An answer is called right when its error is not larger, or when the reference cannot tell."""
@@ -67,21 +65,19 @@ class Judgement:
         return 0 < self.right == len(self.errors)
 
 
-def judgements(records: Records) -> list[Judgement]:
-    """Judge every method that has rows, in the order in which they ran."""
-    return [
-        _judged(label, [row for row in records.rows if row["label"] == label])
-        for label in records.finished
-    ]
+def judgements(rows: Sequence[Row]) -> list[Judgement]:
+    """Judge every method of a comparison, in the order in which they ran."""
+    labels = dict.fromkeys(row["label"] for row in rows)
+    return [_judged(label, [row for row in rows if row["label"] == label]) for label in labels]
 
 
-def spreads(records: Records) -> list[float]:
+def spreads(rows: Sequence[Row]) -> list[float]:
     """How far the answers to a criterion lie apart: (largest - smallest) / smallest.
 
     One number for each criterion that several methods answered with a positive pf and no doubt.
     """
     answers: dict[object, list[float]] = {}
-    for row in records.rows:
+    for row in rows:
         if row["status"] != "doubtful" and row["pf"] > 0.0:
             answers.setdefault(criterion_key(row), []).append(row["pf"])
     return [max(own) / min(own) - 1.0 for own in answers.values() if len(own) > 1]

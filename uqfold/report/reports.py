@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, TypeAlias, get_args
 from uqfold.checks import choice, instance, or_none, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.comparison.encoding import parsed_json
-from uqfold.comparison.entries import records_from_frame
-from uqfold.comparison.records import JSON_NAME, Records, read_records
-from uqfold.report.page.blocks import Page
-from uqfold.report.page.builder import Page as BuiltPage
-from uqfold.report.page.write import Format, write_page
+from uqfold.comparison.frames import checked_frame
+from uqfold.comparison.records import JSON_NAME, read_records
+from uqfold.report.page.builder import Format, Page
 from uqfold.validation.case import find_cases
 from uqfold.validation.check import KEPT_TIERS
 from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
@@ -22,7 +20,7 @@ from uqfold.validation.record import CaseRecord, read_case_record, read_case_rec
 if TYPE_CHECKING:
     import pandas as pd
 
-Source: TypeAlias = "Records | pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
+Source: TypeAlias = "pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
 STEM = "report"
 MOST_ROWS = 10_000
 """Rows that a report on a comparison shows at most: a page of some 20 MB."""
@@ -31,14 +29,14 @@ KEPT_REPORT = "report.md"
 """The report on the records that are kept beside the cases, in their folder."""
 
 
-def report_page(source: Source) -> Page | BuiltPage:
+def report_page(source: Source) -> Page:
     """Make the report on a comparison or on validation cases.
 
     Parameters
     ----------
     source
-        Records of either, a frame that `uqfold.compare` returned, or a folder or file that holds
-        records: what `uqfold compare` or `uqfold validate` has written, or the folder of the cases
+        A frame that `uqfold.compare` returned, records of cases, or a folder or file that holds
+        either: what `uqfold compare` or `uqfold validate` has written, or the folder of the cases
         with the records that are kept beside them.
 
     Raises
@@ -52,17 +50,16 @@ def report_page(source: Source) -> Page | BuiltPage:
     """
     if isinstance(source, str | os.PathLike):
         return _page_of(checked_path("source", source))
-    if isinstance(source, Records):
+    if hasattr(source, "columns"):
         from uqfold.report.comparison_page import comparison_page
 
-        if len(source.rows) > MOST_ROWS:
+        source = checked_frame(source)
+        if len(source) > MOST_ROWS:
             raise ValueError(
-                f"the comparison has {len(source.rows):,} rows, a report shows {MOST_ROWS:,} at "
+                f"the comparison has {len(source):,} rows, a report shows {MOST_ROWS:,} at "
                 "most: select thresholds or methods, as in frame[frame['label'] == 'mc']"
             )
         return comparison_page(source)
-    if hasattr(source, "columns"):
-        return report_page(records_from_frame(source))
     from uqfold.report.validation_page import validation_page
 
     try:
@@ -105,7 +102,7 @@ def write_report(
     """
     checked_path("path", path)
     or_none("format", format, choice, get_args(Format))
-    return write_page(report_page(source), path, format)
+    return report_page(source).write(path, format=format)
 
 
 def kept_records(cases: Path) -> list[CaseRecord]:
@@ -120,11 +117,11 @@ def write_kept_report(cases: Path) -> list[Path]:
     return write_report(kept_records(cases), cases / KEPT_REPORT)
 
 
-def _page_of(path: Path) -> Page | BuiltPage:
+def _page_of(path: Path) -> Page:
     """Make the report on a folder or file, after what it holds."""
     if path.is_dir():
         if (path / JSON_NAME).is_file():
-            return report_page(records_from_frame(read_records(path)))
+            return report_page(read_records(path))
         if next(path.glob(f"*/{CASE_FILE}"), None) is not None:
             return report_page(kept_records(path))
         if next(path.glob("*.json"), None) is None:
@@ -134,7 +131,7 @@ def _page_of(path: Path) -> Page | BuiltPage:
         return report_page(read_case_records(path))
     if _says_validation(path):
         return report_page([read_case_record(path)])
-    return report_page(records_from_frame(read_records(path)))
+    return report_page(read_records(path))
 
 
 def _says_validation(path: Path) -> bool:

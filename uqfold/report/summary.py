@@ -6,9 +6,10 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from statistics import median
+from typing import TYPE_CHECKING, Any
 
-from uqfold.comparison.records import Records
-from uqfold.report.chart_data import method_keys
+from uqfold.plots.telling import gid
+from uqfold.plots.wording import Row, count_text, percent, seconds_text
 from uqfold.report.judgement import (
     NOT_CONVERGED,
     RIGHT_WITHIN,
@@ -16,81 +17,88 @@ from uqfold.report.judgement import (
     judgements,
     spreads,
 )
-from uqfold.report.page.blocks import (
-    Block,
-    Card,
-    Cards,
-    Cell,
-    Column,
-    Number,
-    Paragraph,
-    Row,
-    Table,
-    Tone,
-    Words,
-)
-from uqfold.report.page.chart import Strip
-from uqfold.report.wording import UNCHECKED, count_text, percent, seconds_text
+from uqfold.report.page.builder import Page
+from uqfold.report.page.cells import Cell, Tone, typeset
+from uqfold.report.page.markup import literal
+from uqfold.report.wording import UNCHECKED
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _RIGHT = f"{100 * RIGHT_WITHIN:g} %"
 _FAULTS = ("budget_exhausted", "doubtful", "failed")
 _SHARE_TO_NAME = 3
 """Methods named one by one in a card; the table below has them all."""
-STRIP_ENDS = (1e-4, 10.0)
 _MOST_LINES = 3
 """Statements below the answer of a card, so that the summary stays on one screen."""
 
 
-def summary_blocks(records: Records) -> tuple[Block, ...]:
-    """Give the first screen of the report on a comparison."""
-    judged = judgements(records)
-    cards = Cards((_right_card(records, judged), _cost_card(judged), _failure_card(judged)))
-    return (cards, _methods_table(records, judged), _legend(judged))
+def add_summary(page: Page, rows: Sequence[Row]) -> None:
+    """Add the first screen of the report on a comparison: cards, and one line per method."""
+    judged = judgements(rows)
+    _add_right(page, rows, judged)
+    _add_cost(page, judged)
+    _add_failures(page, judged)
+    page.table(
+        _methods(judged),
+        "Methods",
+        name="methods-in-short",
+        belongs=[gid(method=one.label) for one in judged],
+    )
+    said = "One evaluation is one run of the model."
+    if any(one.referenced for one in judged):
+        said += (
+            f" Error: |pf - reference| / reference, Eq. (49). An answer is within {_RIGHT} also "
+            "where two standard errors of the reference are more."
+        )
+    if any(one.statuses["unchecked"] for one in judged):
+        said += f" Unchecked: {UNCHECKED}."
+    page.text(said, small=True)
 
 
-def _right_card(records: Records, judged: Sequence[Judgement]) -> Card:
+def _add_right(page: Page, rows: Sequence[Row], judged: Sequence[Judgement]) -> None:
     referenced = [one for one in judged if one.referenced]
     if not referenced:
-        return _agreement_card(records)
+        _add_agreement(page, rows)
+        return
     ranked = sorted(referenced, key=lambda one: (-one.right, one.n_evals))
     best = ranked[0]
     title = "Who was right?"
     if best.right == 0:
-        return Card(
-            title,
-            "Nobody",
-            (f"No answer is within {_RIGHT} of its reference.",),
-            "bad",
-        )
+        said = f"No answer is within {_RIGHT} of its reference."
+        page.card(title, "Nobody", said, tone="bad")
+        return
     equal = [one for one in ranked if one.right == best.right]
     rest = [one for one in ranked if one.right < best.right]
     more = [f"Within {_RIGHT} on {best.right} of {best.referenced} criteria."]
     if rest:
-        more.append("; ".join(f"{one.label} on {one.right}" for one in rest) + ".")
+        more.append("; ".join(f"{literal(one.label)} on {one.right}" for one in rest) + ".")
     tone: Tone = "good" if best.right == best.referenced else "warn"
-    return Card(title, _listed([one.label for one in equal]), tuple(more), tone)
+    page.card(title, _listed([one.label for one in equal]), *more, tone=tone)
 
 
-def _agreement_card(records: Records) -> Card:
-    title, apart = "Do the methods agree?", spreads(records)
+def _add_agreement(page: Page, rows: Sequence[Row]) -> None:
+    title, apart = "Do the methods agree?", spreads(rows)
     note = "There is no reference: nobody knows here who is right."
     if not apart:
-        return Card(title, "Nothing to compare", (note,), "warn")
+        page.card(title, "Nothing to compare", note, tone="warn")
+        return
     tone: Tone = "good" if max(apart) <= RIGHT_WITHIN else "warn"
-    answer = f"To within {percent(max(apart))}"
-    more = (f"Half of the criteria to within {percent(median(apart))}.", note)
-    return Card(title, answer, more, tone)
+    answer = f"To within {typeset(percent(max(apart)))}"
+    half = f"Half of the criteria to within {typeset(percent(median(apart)))}."
+    page.card(title, answer, half, note, tone=tone)
 
 
-def _cost_card(judged: Sequence[Judgement]) -> Card:
+def _add_cost(page: Page, judged: Sequence[Judgement]) -> None:
     title = "At what cost?"
     answering = [one for one in judged if one.answered]
     if not answering:
-        return Card(title, "No answer at any cost", (), "bad")
+        page.card(title, "No answer at any cost", tone="bad")
+        return
     # of those that were right most often the cheapest; without references all were right equally
     best = min(answering, key=lambda one: (-one.right, one.n_evals, one.seconds))
     which = "right most often" if best.right else "the cheapest with an answer"
-    more = [f"{best.label}, {which}, took {seconds_text(best.seconds)}."]
+    more = [f"{literal(best.label)}, {which}, took {seconds_text(best.seconds)}."]
     equal = [one for one in answering if one.right == best.right and one is not best]
     if best.right and equal:
         counts = dict.fromkeys(count_text(one.n_evals) for one in _by_cost(equal))
@@ -101,18 +109,18 @@ def _cost_card(judged: Sequence[Judgement]) -> Card:
         share = "on the one criterion that it answers"
         if other.right > 1:
             share = f"on the {other.right} criteria that it answers"
-        more.append(f"{other.label} was right {share}, with {count_text(other.n_evals)}.")
+        more.append(f"{literal(other.label)} was right {share}, with {count_text(other.n_evals)}.")
     dearest = max(answering, key=lambda one: one.n_evals)
     if dearest.n_evals > best.n_evals and len(more) < _MOST_LINES:
-        more.append(f"The most: {dearest.label} with {count_text(dearest.n_evals)}.")
-    return Card(title, f"{count_text(best.n_evals)} evaluations", tuple(more))
+        more.append(f"The most: {literal(dearest.label)} with {count_text(dearest.n_evals)}.")
+    page.card(title, f"{count_text(best.n_evals)} evaluations", *more)
 
 
 def _by_cost(judged: Sequence[Judgement]) -> list[Judgement]:
     return sorted(judged, key=lambda one: one.n_evals)
 
 
-def _failure_card(judged: Sequence[Judgement]) -> Card:
+def _add_failures(page: Page, judged: Sequence[Judgement]) -> None:
     title = "What failed?"
     total: Counter[str] = sum((one.statuses for one in judged), Counter())
     rows = total.total()
@@ -120,9 +128,11 @@ def _failure_card(judged: Sequence[Judgement]) -> Card:
     doubted, short = total["doubtful"], total["budget_exhausted"]
     unchecked = total["unchecked"]
     if rows == total["converged"]:
-        return Card(title, "Nothing", (f"All {rows} answers are converged.",), "good")
+        page.card(title, "Nothing", f"All {rows} answers are converged.", tone="good")
+        return
     if rows == total["converged"] + unchecked:
-        return Card(title, "Nothing", (_said_of(unchecked, rows),))
+        page.card(title, "Nothing", _said_of(unchecked, rows))
+        return
     named = [
         (lost, "failed"),
         (doubted, "doubtful"),
@@ -142,7 +152,7 @@ def _failure_card(judged: Sequence[Judgement]) -> Card:
         more.append(f"Concerns {_listed(guilty)}.")
     if unchecked:
         more.append(_said_of(unchecked, rows))
-    return Card(title, answer, tuple(more), tone)
+    page.card(title, answer, *more, tone=tone)
 
 
 def _said_of(unchecked: int, rows: int) -> str:
@@ -153,64 +163,39 @@ def _listed(labels: Sequence[str]) -> str:
     if len(labels) > _SHARE_TO_NAME:
         others = len(labels) - _SHARE_TO_NAME + 1
         labels = [*labels[: _SHARE_TO_NAME - 1], f"{others} others"]
-    *front, last = labels
+    *front, last = map(literal, labels)
     return f"{', '.join(front)} and {last}" if front else last
 
 
-def _methods_table(records: Records, judged: Sequence[Judgement]) -> Table:
-    keys = method_keys(records)
-    referenced = any(one.referenced for one in judged)
-    columns = [Column("method")]
-    if referenced:
-        columns += [
-            Column("errors"),
-            Column("median", numeric=True),
-            Column("largest", numeric=True),
-            Column(f"within {_RIGHT}", numeric=True),
-            Column("interval covers", numeric=True),
+def _methods(judged: Sequence[Judgement]) -> pd.DataFrame:
+    import pandas as pd
+
+    columns: dict[str, list[Any]] = {"method": [one.label for one in judged]}
+    columns["status"] = [_status(one) for one in judged]
+    columns["answered"] = [Cell(f"{one.answered} of {one.asked}", one.answered) for one in judged]
+    if any(one.referenced for one in judged):
+        columns["median error"] = [_error(one.median_error) for one in judged]
+        columns["largest"] = [_error(max(one.errors, default=math.nan)) for one in judged]
+        columns[f"within {_RIGHT}"] = [
+            Cell(f"{one.right} of {one.referenced}", one.right) for one in judged
         ]
-    columns += [
-        Column("answered", numeric=True),
-        Column("evaluations", numeric=True),
-        Column("time", numeric=True),
-        Column("status"),
-    ]
-    rows = []
-    for one in judged:
-        cells = [Cell(one.label, key=keys[one.label])]
-        if referenced:
-            cells += _error_cells(records, one)
-        cells += [
-            Cell(f"{one.answered} of {one.asked}", float(one.answered)),
-            Cell(count_text(one.n_evals), float(one.n_evals)),
-            Cell(seconds_text(one.seconds), one.seconds),
-            _status_cell(one),
-        ]
-        rows.append(Row(tuple(cells)))
-    return Table("Methods", tuple(columns), tuple(rows), show_caption=False)
+        columns["interval covers"] = [_cover(one) for one in judged]
+    columns["evaluations"] = [one.n_evals for one in judged]
+    columns["time"] = [Cell(seconds_text(one.seconds), one.seconds) for one in judged]
+    return pd.DataFrame(columns)
 
 
-def _error_cells(records: Records, one: Judgement) -> list[Cell]:
-    key = method_keys(records)[one.label]
-    largest = max(one.errors, default=math.nan)
-    strip = Strip(key, one.errors, one.median_error, STRIP_ENDS, (RIGHT_WITHIN,))
-    said = f"{len(one.errors)} errors, median {percent(one.median_error)}"
-    return [
-        Cell(said, one.median_error, strip=strip) if one.errors else Cell("no answer", math.nan),
-        Cell(_typeset(percent(one.median_error)), one.median_error),
-        Cell(_typeset(percent(largest)), largest),
-        Cell(f"{one.right} of {one.referenced}", float(one.right)),
-        Cell(f"{one.covering} of {one.intervals}", one.covering / one.intervals)
-        if one.intervals
-        else Cell("none stated", math.nan, "quiet"),
-    ]
+def _error(error: float) -> Cell:
+    return Cell("no answer" if math.isnan(error) else typeset(percent(error)), error)
 
 
-def _typeset(text: str) -> Words:
-    return [Number(text)]
+def _cover(one: Judgement) -> Cell:
+    if not one.intervals:
+        return Cell("none stated", math.nan)
+    return Cell(f"{one.covering} of {one.intervals}", one.covering / one.intervals)
 
 
-def _status_cell(one: Judgement) -> Cell:
+def _status(one: Judgement) -> Cell:
     text = ", ".join(
         f"{count} {status.replace('_', ' ')}"
         for status in NOT_CONVERGED
@@ -226,17 +211,3 @@ def _status_cell(one: Judgement) -> Cell:
     elif one.statuses["unchecked"]:
         tone = ""
     return Cell(text or "converged", tone=tone)
-
-
-def _legend(judged: Sequence[Judgement]) -> Paragraph:
-    said = "One evaluation is one run of the model."
-    if any(one.referenced for one in judged):
-        low, high = (percent(end) for end in STRIP_ENDS)
-        said += (
-            f" Error: |pf - reference| / reference, Eq. (49), per criterion on a logarithmic line "
-            f"from {low} to {high}; the dashed line is {_RIGHT}. A criterion counts as within "
-            "that also where two standard errors of the reference are more."
-        )
-    if any(one.statuses["unchecked"] for one in judged):
-        said += f" Unchecked: {UNCHECKED}."
-    return Paragraph(said, small=True)

@@ -1,8 +1,8 @@
 """The comparison as a table on the terminal, or as plain text in a file or pipe.
 
-Rows stand under their criterion. Column widths are common to all criteria, and the layout becomes
-tighter where the terminal is narrow; no cell is ever wrapped. What a method has to say about a row
-that did not converge stands below the table, not in a cell.
+Rows stand under their criterion. Columns are common to all criteria, and tighter where the terminal
+is narrow; no cell is ever wrapped. What a method has to say about a row that did not converge
+stands below the table, not in a cell.
 """
 
 from __future__ import annotations
@@ -11,35 +11,42 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import instance, keep
-from uqfold.comparison.columns import Row
-from uqfold.comparison.records import Records
-from uqfold.report.style import STATUS_STYLES
-from uqfold.report.wording import (
+from uqfold.comparison.frames import checked_frame
+from uqfold.plots.style import HEADER
+from uqfold.plots.wording import (
     NO_VALUE,
-    UNCHECKED,
+    CriterionKey,
+    Row,
+    comparison_rows,
     count_text,
     criterion_key,
     criterion_text,
     finite,
     percent,
     reference_resolution,
-    remark,
-    remarks,
     scientific,
     seconds_text,
 )
+from uqfold.report.wording import UNCHECKED, remark, remarks
 
 if TYPE_CHECKING:
-    from rich.console import Console, ConsoleOptions
+    import pandas as pd
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.table import Table
     from rich.text import Text
 
-    from uqfold.report.layout import Cell, Grid
-
+STATUS_STYLES = {
+    "converged": "green",
+    "unchecked": "",
+    "budget_exhausted": "yellow",
+    "doubtful": "yellow",
+    "unsupported": "bright_black",
+    "failed": "bold red",
+}
+"""Status -> style on a terminal."""
 _SHORT_STATUS = {"budget_exhausted": "budget"}
-_NUMERIC = (1, 3, 4, 5)
 _LAYOUTS = ((True, 3), (True, 2), (False, 2), (False, 1))
 """(full numbers and words, gap between columns), from the most generous on."""
 
@@ -50,179 +57,202 @@ class ComparisonTable:
 
     Attributes
     ----------
-    records
-        The comparison.
+    frame
+        What `uqfold.compare` returned, or a part of it.
     """
 
-    records: Records
+    frame: pd.DataFrame
 
     def __post_init__(self) -> None:
-        keep(self, "records", instance, Records, "give Records")
+        object.__setattr__(self, "frame", checked_frame(self.frame))
 
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+    def __rich_console__(
+        self, console: Console, options: ConsoleOptions
+    ) -> Iterator[RenderableType]:
         """Render the table in the width of the console."""
-        from uqfold.report.layout import line
+        from rich.text import Text
 
-        width = options.max_width
-        notes = remarks(self.records.rows)
-        yield line(_title(self.records), "bold")
-        yield line("")
-        yield from _criteria_lines(self.records, notes, width)
-        yield line("")
-        yield from _summary_lines(self.records, width)
-        yield line("")
-        yield from _legend_lines(self.records, notes, width)
+        header, rows = self.frame.attrs[HEADER], comparison_rows(self.frame)
+        notes = remarks(rows)
+        yield Text(_title(header), "bold", overflow="fold")
+        groups: dict[CriterionKey, list[Row]] = {}
+        for row in rows:
+            groups.setdefault(criterion_key(row), []).append(row)
+        ordered = [row for group in groups.values() for row in group]
+        head, *lines = _lines(_answers(ordered, notes, console, options), console, options)
+        yield ""
+        yield head
+        for group in groups.values():
+            yield ""
+            yield from _group_head(group[0], header["response_unit"], options.max_width)
+            yield from (lines.pop(0) for _ in group)
+        yield ""
+        yield from _lines(_methods(header, rows, console, options), console, options)
+        yield ""
+        yield _legend(header, rows)
+        if notes:
+            yield ""
+            yield noted({
+                f"{f'[{number}]':>6} ": said if said.startswith(label) else f"{label}: {said}"
+                for (label, said), number in notes.items()
+            })  # fmt: skip
 
 
-def _title(records: Records) -> str:
-    header = records.header
-    unit = f" ({header.response_unit})" if header.response_unit else ""
+def noted(notes: Mapping[str, str], style: str = "") -> Table:
+    """Return texts behind prefixes, wrapped with further lines flush with the first."""
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table.grid()
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    for prefix, text in notes.items():
+        table.add_row(Text(prefix, style), Text(text, style))
+    return table
+
+
+def _title(header: Mapping[str, Any]) -> str:
+    unit = f" ({header['response_unit']})" if header["response_unit"] else ""
     budget = "no budget"
-    if header.max_evals is not None:
-        budget = f"at most {header.max_evals:,} evaluations per method"
-    return f"{header.problem}: {header.response}{unit}, seed {header.seed}, {budget}"
+    if header["max_evals"] is not None:
+        budget = f"at most {header['max_evals']:,} evaluations per method"
+    asked = f"{header['problem']}: {header['response']}{unit}"
+    return f"{asked}, seed {header['seed']}, {budget}"
 
 
-def _criteria_lines(
-    records: Records, notes: Mapping[tuple[str, str], int], width: int
-) -> Iterator[Text]:
-    """Give the rows, one group per criterion."""
-    from uqfold.report.layout import line
+def _table(head: Sequence[str], words: Sequence[int], gap: int) -> Table:
+    """Return a table of which some columns are words, the others numbers."""
+    from rich.table import Table
 
-    groups: dict[object, list[Row]] = {}
-    for row in records.rows:
-        groups.setdefault(criterion_key(row), []).append(row)
-    ordered = [row for group in groups.values() for row in group]
-    grid = _fitting(ordered, notes, width)
-    lines = grid.lines()
-    yield grid.head_line()
-    for group in groups.values():
-        yield line("")
-        yield from _group_head(group[0], records.header.response_unit, width)
-        for _ in group:
-            yield next(lines)
+    table = Table(box=None, pad_edge=False, padding=(0, gap, 0, 0), header_style="dim")
+    for i, one in enumerate(head):
+        table.add_column(one, justify="left" if i in words else "right", no_wrap=True)
+    return table
 
 
-def _fitting(rows: Sequence[Row], notes: Mapping[tuple[str, str], int], width: int) -> Grid:
-    """Give the most generous grid that fits, or the tightest."""
-    from uqfold.report.layout import Grid
+def _lines(table: Table, console: Console, options: ConsoleOptions) -> list[Text]:
+    """Return a table line by line; only a console narrower than it folds its lines."""
+    from rich.text import Text
 
-    grids = []
+    wide = options.update(width=_width(table, console, options))
+    lines = []
+    for segments in console.render_lines(table, wide, pad=False):
+        line = Text.assemble(*((one.text, one.style or "") for one in segments), overflow="fold")
+        line.rstrip()
+        lines.append(line)
+    return lines
+
+
+def _width(table: Table, console: Console, options: ConsoleOptions) -> int:
+    return console.measure(table, options=options.update(width=10_000)).maximum
+
+
+def _answers(
+    rows: Sequence[Row],
+    notes: Mapping[tuple[str, str], int],
+    console: Console,
+    options: ConsoleOptions,
+) -> Table:
+    """Return the most generous table of all rows that fits, or the tightest."""
     for full, gap in _LAYOUTS:
         interval, evals = (
             ("interval or error kind", "evaluations") if full else ("interval", "evals")
         )
         head = ["  method", "pf", interval, "error", evals, "time", "status"]
-        grids.append(Grid(head, [_cells(row, notes, full) for row in rows], _NUMERIC, gap))
-    return next((grid for grid in grids if grid.width <= width), grids[-1])
+        table = _table(head, (0, 2, 6), gap)
+        for row in rows:
+            table.add_row(*_cells(row, notes, full))
+        if _width(table, console, options) <= options.max_width:
+            break
+    return table
+
+
+def _cells(row: Row, notes: Mapping[tuple[str, str], int], full: bool) -> list[Text]:
+    from rich.text import Text
+
+    status = str(row["status"])
+    shown = status if full else _SHORT_STATUS.get(status, status)
+    number = notes.get((row["label"], remark(row)))
+    within = "~" if row["error"] <= reference_resolution(row) else ""
+    # what a method refuses costs nothing
+    evals = NO_VALUE if status == "unsupported" else count_text(row["n_evals_row"], short=not full)
+    return [
+        Text(f"  {row['label']}"),
+        Text(scientific(row["pf"], 4 if full else 3), "bold"),
+        Text(_interval(row, full)),
+        Text(f"{within}{percent(row['error'])}"),
+        Text(evals),
+        Text(seconds_text(row["seconds"])),
+        Text(shown if number is None else f"{shown} [{number}]", STATUS_STYLES.get(status, "")),
+    ]
+
+
+def _interval(row: Row, full: bool) -> str:
+    """Return the interval, or else the standard error, or else the kind of error."""
+    if math.isnan(row["pf"]):
+        return NO_VALUE
+    if not math.isnan(row["ci_low"] + row["ci_high"]):
+        ends = (scientific(row[end], 3) for end in ("ci_low", "ci_high"))
+        return (" .. " if full else "..").join(ends)
+    if not math.isnan(row["std_error"]):
+        return f"± {scientific(row['std_error'], 2)}"
+    return str(row["error_kind"])
 
 
 def _group_head(row: Row, unit: str, width: int) -> Iterator[Text]:
-    from uqfold.report.layout import line
+    from rich.text import Text
 
     criterion = criterion_text(criterion_key(row), unit)
     reference = "no reference"
     if not math.isnan(row["reference_pf"]):
         error = scientific(row["reference_std_error"], 2)
         reference = f"reference pf {scientific(row['reference_pf'], 4)} ± {error}"
-    text = line(criterion, "bold")
-    if len(criterion) + 3 + len(reference) > width:
-        yield text
-        yield line(f"  {reference}", "cyan")
-    else:
-        text.append(f"   {reference}", "not bold cyan")
-        yield text
+    fits = len(criterion) + 3 + len(reference) <= width
+    head = Text(criterion, "bold", overflow="fold")
+    behind = Text(f"{'   ' if fits else '  '}{reference}", "not bold cyan", overflow="fold")
+    yield from (head.append_text(behind),) if fits else (head, behind)
 
 
-def _cells(row: Row, notes: Mapping[tuple[str, str], int], full: bool) -> list[Cell]:
-    from uqfold.report.layout import Cell
+def _methods(
+    header: Mapping[str, Any], rows: Sequence[Row], console: Console, options: ConsoleOptions
+) -> Table:
+    """Return one line per method: how much it answered, how well, and at what cost."""
+    from rich.text import Text
 
-    status = str(row["status"])
-    shown = status if full else _SHORT_STATUS.get(status, status)
-    number = notes.get((row["label"], remark(row)))
-    within = row["error"] <= reference_resolution(row)
-    return [
-        Cell(f"  {row['label']}"),
-        Cell(scientific(row["pf"], 4 if full else 3), "bold"),
-        Cell(_interval(row, full)),
-        Cell(f"{'~' if within else ''}{percent(row['error'])}"),
-        # what a method refuses costs nothing
-        Cell(
-            NO_VALUE if status == "unsupported" else count_text(row["n_evals_row"], short=not full)
-        ),
-        Cell(seconds_text(row["seconds"])),
-        Cell(
-            shown if number is None else f"{shown} [{number}]",
-            STATUS_STYLES.get(status, ""),
-        ),
-    ]
-
-
-def _interval(row: Row, full: bool) -> str:
-    """Give the interval, or else the standard error, or else the kind of error."""
-    if math.isnan(row["pf"]):
-        return NO_VALUE
-    if not (math.isnan(row["ci_low"]) or math.isnan(row["ci_high"])):
-        return (" .. " if full else "..").join(
-            scientific(row[end], 3) for end in ("ci_low", "ci_high")
-        )
-    if not math.isnan(row["std_error"]):
-        return f"± {scientific(row['std_error'], 2)}"
-    return str(row["error_kind"])
+    titles = {entry["label"]: entry["title"] for entry in header["methods"]}
+    head = ["  whole run", "answered", "median error", "largest", "evaluations", "time"]
+    for more in ([""], []):
+        table = _table([*head, *more], (0, 6), 2)
+        for label in dict.fromkeys(row["label"] for row in rows):
+            own = [row for row in rows if row["label"] == label]
+            errors = finite(row["error"] for row in own)
+            cells = [
+                f"  {label}",
+                f"{sum(not math.isnan(row['pf']) for row in own)} of {len(own)}",
+                percent(median(errors)) if errors else NO_VALUE,
+                percent(max(errors)) if errors else NO_VALUE,
+                count_text(own[0]["n_evals"]),
+                seconds_text(own[0]["seconds"]),
+                *(titles.get(label, "") for _ in more),
+            ]
+            table.add_row(*map(Text, cells))
+        if _width(table, console, options) <= options.max_width:
+            break
+    return table
 
 
-def _summary_lines(records: Records, width: int) -> Iterator[Text]:
-    """Give one line per method: how much it answered, how well, and at what cost."""
-    from uqfold.report.layout import Cell, Grid
-
-    titles = {entry.label: entry.title for entry in records.header.methods}
-    rows = []
-    for label in records.finished:
-        own = [row for row in records.rows if row["label"] == label]
-        errors = finite(row["error"] for row in own)
-        answered = sum(not math.isnan(row["pf"]) for row in own)
-        cells = [
-            f"  {label}",
-            f"{answered} of {len(own)}",
-            percent(median(errors)) if errors else NO_VALUE,
-            percent(max(errors)) if errors else NO_VALUE,
-            count_text(own[0]["n_evals"]),
-            seconds_text(own[0]["seconds"]),
-            titles.get(label, ""),
-        ]
-        rows.append([Cell(cell) for cell in cells])
-    head = ["  whole run", "answered", "median error", "largest", "evaluations", "time", ""]
-    grid = Grid(head, rows, (1, 2, 3, 4, 5), gap=2)
-    if grid.width > width:
-        grid = Grid(head[:-1], [row[:-1] for row in rows], grid.numeric, grid.gap)
-    yield grid.head_line()
-    yield from grid.lines()
-
-
-def _legend_lines(
-    records: Records, notes: Mapping[tuple[str, str], int], width: int
-) -> Iterator[Text]:
-    from uqfold.report.layout import hanging, line
-
-    rows, reference = records.rows, records.header.reference
-    legend = []
-    intervals = dict.fromkeys(row["ci_kind"] for row in rows if row["ci_kind"])
-    if intervals:
-        legend.append(("interval", ", ".join(intervals)))
+def _legend(header: Mapping[str, Any], rows: Sequence[Row]) -> Table:
+    said = {}
+    if intervals := dict.fromkeys(row["ci_kind"] for row in rows if row["ci_kind"]):
+        said["interval"] = ", ".join(intervals)
     if any(_interval(row, full=True) == "none" for row in rows):
-        legend.append(("none", "the method gives no error of its own"))
+        said["none"] = "the method gives no error of its own"
     if any(row["status"] == "unchecked" for row in rows):
-        legend.append(("unchecked", UNCHECKED))
+        said["unchecked"] = UNCHECKED
     if any(not math.isnan(row["error"]) for row in rows):
-        legend.append(("error", "|pf - reference| / reference, Eq. (49)"))
+        said["error"] = "|pf - reference| / reference, Eq. (49)"
     if any(row["error"] <= reference_resolution(row) for row in rows):
-        legend.append(("~", "below two standard errors of the reference, which cannot judge it"))
-    if reference is not None and reference.how:
-        legend.append(("reference", reference.how))
-    for word, meaning in legend:
-        yield from hanging(f"  {word:<11}", meaning, width, "dim")
-    if notes:
-        yield line("")
-    for (label, message), number in notes.items():
-        said = message if message.startswith(label) else f"{label}: {message}"
-        yield from hanging(f"{f'[{number}]':>6} ", said, width)
+        said["~"] = "below two standard errors of the reference, which cannot judge it"
+    if header["reference"] is not None and header["reference"]["how"]:
+        said["reference"] = header["reference"]["how"]
+    return noted({f"  {word:<11}": meaning for word, meaning in said.items()}, "dim")

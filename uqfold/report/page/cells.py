@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
@@ -16,12 +17,16 @@ Tone: TypeAlias = Literal["", "good", "warn", "bad", "quiet"]
 Formatter: TypeAlias = "Callable[[Any], str]"
 
 DIGITS = 4
+_POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e(-?\d+)(?!\w)")
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a cell; the number to sort by, where it is one (NaN sorts last); its tone."""
+    """Text of a cell; the number to sort by, where it is one (NaN sorts last); its tone.
+
+    A frame may hold these where a value alone does not say it.
+    """
 
     text: str
     value: float | None = None
@@ -72,6 +77,8 @@ def grid(
 
 
 def _cell(value: Any, write: Formatter, tones: Mapping[str, Tone]) -> Cell:
+    if isinstance(value, Cell):
+        return value
     text = write(value)
     counts = not isinstance(value, bool) and isinstance(value, Real)
     number = float(value) if counts else None
@@ -128,3 +135,14 @@ def number_text(value: float, digits: int = DIGITS) -> str:
 
 def _trimmed(text: str) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def typeset(text: str) -> str:
+    """Write numbers like ``1.5e-4`` in a text by powers of ten.
+
+    Examples
+    --------
+    >>> typeset("1.5e-4 .. 2")
+    '1.5 × 10⁻⁴ .. 2'
+    """
+    return _POWER.sub(lambda match: f"{match[1]} × 10{match[2].translate(_RAISED)}", text)

@@ -13,6 +13,7 @@ _HEXADECIMAL = re.compile(r"#[0-9a-fA-F]{6}")
 _STEPS = 50
 _PALE = 1.6
 """Contrast with light paper below which a colour is one of areas and grids."""
+_CALM = 0.7
 _DARKEST, _LIGHTEST = 0.1, 0.92
 """Lightness on dark paper of what is white and black on light paper."""
 
@@ -47,8 +48,9 @@ def by_night(color: str) -> str:
     if color == "#ffffff":
         return DARK_PAPER
     hue, lightness, saturation = rgb_to_hls(*_channels(color))
-    turned = hls_to_rgb(hue, _DARKEST + (_LIGHTEST - _DARKEST) * (1.0 - lightness), saturation)
-    night = _written(turned)
+    turned = _DARKEST + (_LIGHTEST - _DARKEST) * (1.0 - lightness)
+    # full colours glow on dark paper
+    night = _written(hls_to_rgb(hue, turned, _CALM * saturation))
     pale = contrast(_channels(color), _channels(LIGHT_PAPER)) < _PALE
     return night if pale else readable(night, DARK_PAPER)
 

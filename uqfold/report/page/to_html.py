@@ -47,7 +47,7 @@ def html(page: Page) -> str:
 
     colors: set[str] = set()
     whole = _tree(page.blocks)
-    body = template("report-body.html.j2").render(
+    body = template("body.html.j2").render(
         page=page,
         summary=whole.blocks,
         sections=whole.parts,
@@ -61,9 +61,9 @@ def html(page: Page) -> str:
         values=_values,
     )
     shades = [(one[1:], by_day(one), by_night(one)) for one in sorted(colors)]
-    style = template("report.css.j2").render(colors=shades)
-    script = template("report.js").render()
-    return template("report.html.j2").render(
+    style = template("page.css.j2").render(colors=shades)
+    script = template("page.js").render()
+    return template("page.html.j2").render(
         page=page,
         # all three are our own: the body comes out of an escaping template
         body=Markup(body),

@@ -35,56 +35,84 @@
   }
   wear(kept());
 
-  // Switches: one name is switched everywhere in the page.
-  const off = new Set();
-  const keyed = all("[data-keys]").map((element) => [element, element.dataset.keys.split("\n")]);
-  const series = all(".series[data-key]");
-  const showKeys = () => {
-    for (const element of series) element.classList.toggle("off", off.has(element.dataset.key));
-    for (const [element, keys] of keyed) {
-      const hidden = keys.some((key) => off.has(key));
+  // Switches: what belongs to a method or criterion is switched everywhere in the page, other
+  // series in their own figure.
+  const tables = [], off = new Set();
+  const owned = all("[data-gid]").map((element) => {
+    const place = element.closest("figure")?.id ?? "";
+    const parts = element.dataset.gid.split(";").map((part) => {
+      const [kind, name] = [part.slice(0, part.indexOf("=")), part.slice(part.indexOf("=") + 1)];
+      const shared = kind === "method" || kind === "criterion";
+      return { kind, name, place: shared ? "" : place, key: `${shared ? "" : place}\n${kind}\n${name}` };
+    });
+    return { element, parts };
+  });
+  const colorOf = (element) => {
+    const drawn = element.querySelector("use, path");
+    const color = ["stroke", "fill"].map((name) => drawn?.getAttribute(name)).find((value) => value && value !== "none");
+    return color ?? "";
+  };
+  const colors = new Map();
+  for (const { element, parts } of owned) {
+    const key = parts[0].key;
+    if (element.tagName === "g" && !colors.get(key)) colors.set(key, colorOf(element));
+  }
+  const swatch = (key) => {
+    const dot = make("span", { className: "swatch" });
+    dot.style.setProperty("--c", colors.get(key));
+    return dot;
+  };
+  const apply = () => {
+    for (const { element, parts } of owned) {
+      const hidden = parts.some((part) => off.has(part.key));
       if (element.tagName === "TR") element.dataset.off = hidden ? "1" : "";
-      else element.hidden = hidden;
+      else element.classList.toggle("off", hidden);
     }
-    for (const element of series) element.style.display = element.classList.contains("off") ? "none" : "";
-    for (const button of all("button.key")) button.setAttribute("aria-pressed", String(!off.has(button.dataset.key)));
+    for (const button of all("button.key")) button.setAttribute("aria-pressed", String(!off.has(button.value)));
     for (const refresh of tables) refresh();
   };
-  const tables = [];
-  for (const span of all("span.key[data-key]")) {
-    const button = make("button", { type: "button", className: "key" }, [...span.childNodes]);
-    button.dataset.key = span.dataset.key;
-    button.setAttribute("aria-pressed", "true");
-    button.addEventListener("click", () => {
-      const key = button.dataset.key;
-      if (!off.delete(key)) off.add(key);
-      showKeys();
-      announce(`${button.textContent.trim()} ${off.has(key) ? "hidden" : "shown"}`);
-    });
-    span.replaceWith(button);
-  }
-  if (document.querySelector(".controls")) root.classList.add("pinned");
-
-  // Views: the same numbers on another axis.
-  for (const figure of all("figure")) {
-    const views = all(":scope > .view", figure);
-    if (views.length < 2) continue;
-    const bar = figure.querySelector(".views");
-    bar.setAttribute("role", "group");
-    bar.setAttribute("aria-label", bar.dataset.label);
-    figure.classList.add("views-on");
-    const show = (chosen) => views.forEach((view, i) => {
-      view.hidden = view !== chosen;
-      bar.children[i].setAttribute("aria-pressed", String(view === chosen));
-    });
-    for (const view of views) {
-      const button = make("button", { type: "button", textContent: view.dataset.view });
-      button.addEventListener("click", () => { show(view); announce(`Axis: ${view.dataset.view}`); });
-      bar.append(button);
+  const group = (kind, place) => {
+    const found = new Map();
+    for (const { parts } of owned) {
+      for (const part of parts) if (part.kind === kind && part.place === place) found.set(part.key, part.name);
     }
-    show(views[0]);
+    if (found.size < 2) return null;
+    const keys = [...found].map(([key, name]) => {
+      const button = make("button", { type: "button", className: "key", value: key },
+        [...(colors.get(key) ? [swatch(key)] : []), name]);
+      button.setAttribute("aria-pressed", "true");
+      button.addEventListener("click", () => {
+        if (!off.delete(key)) off.add(key);
+        apply();
+        announce(`${name} ${off.has(key) ? "hidden" : "shown"}`);
+      });
+      return make("li", {}, [button]);
+    });
+    const title = { method: "Methods", criterion: "Criteria" }[kind] ?? "Shown";
+    const list = make("ul", { className: "keys" }, keys);
+    list.setAttribute("aria-label", title);
+    return make("div", { className: "group" }, [make("span", { className: "group-title", textContent: title }), list]);
+  };
+  const groups = ["method", "criterion"].map((kind) => group(kind, "")).filter(Boolean);
+  if (groups.length) {
+    const bar = make("div", { className: "controls" }, groups);
+    bar.setAttribute("role", "group");
+    bar.setAttribute("aria-label", "Shown on this page");
+    document.getElementById("switches").replaceWith(bar);
+    root.classList.add("pinned");
+  }
+  for (const figure of all("figure")) {
+    const kinds = new Set(owned.flatMap(({ parts }) => parts.filter((part) => part.place === figure.id).map((part) => part.kind)));
+    for (const kind of kinds) {
+      const bar = group(kind, figure.id);
+      if (bar) figure.querySelector(".plot").after(bar);
+    }
+  }
+  for (const { element, parts } of owned) {
+    if (element.tagName === "TR" && colors.get(parts[0].key)) element.cells[0].prepend(swatch(parts[0].key));
   }
 
+  const MOST_CHOICES = 15;
   // Tables: sorted by a heading, filtered by words and by choices.
   const compare = (one, other) => {
     const [a, b] = [one, other].map((cell) => cell.dataset.sort);
@@ -116,13 +144,18 @@
       });
     });
     const choosers = [];
+    let leading = true;
     const search = make("input", { type: "search", size: 16 });
     const count = make("span", { className: "count" });
     const tools = make("div", { className: "table-tools" }, [make("label", {}, ["Filter ", search])]);
     heads.forEach((head, column) => {
-      if (head.dataset.choices === undefined) return;
       const values = [...new Set(rows.map((row) => row.cells[column].textContent))];
-      if (values.length < 2) return;
+      // what was asked stands before the first column of answers
+      if (values.length < 2 || values.length > MOST_CHOICES || 2 * values.length > rows.length) {
+        leading = leading && values.length < 2;
+        return;
+      }
+      if (head.classList.contains("number") && !leading) return;
       const options = ["all", ...values].map((value, i) => make("option", { value: i ? value : "", textContent: value }));
       const select = make("select", {}, options);
       choosers.push([column, select]);
@@ -160,17 +193,16 @@
   reach();
   addEventListener("resize", reach);
 
-  // Charts: values under the pointer, or one after the other by the arrow keys.
+  // Figures: values under the pointer, or one after the other by the arrow keys.
   const NAMESPACE = "http://www.w3.org/2000/svg";
   for (const plot of all(".plot")) {
     const svg = plot.querySelector("svg");
-    const points = all("[data-at]", svg).map((element) => {
-      const [x, y] = element.dataset.at.split(" ").map(Number);
-      const title = element.querySelector("title");
-      const text = title.textContent;
+    const points = all("use > title", svg).map((title) => {
+      const mark = title.parentElement, series = mark.closest("[data-gid]");
+      const label = series.dataset.gid.split(";").map((part) => part.slice(part.indexOf("=") + 1))[0];
+      const text = `${label}\n${title.textContent}`;
       title.remove();
-      const series = element.closest(".series");
-      return { x, y, series, label: series.dataset.label, text: `${series.dataset.label}\n${text}` };
+      return { x: Number(mark.getAttribute("x")), y: Number(mark.getAttribute("y")), series, label, text };
     });
     if (!points.length) continue;
     const tip = make("div", { className: "tip", hidden: true });
@@ -181,8 +213,8 @@
     plot.tabIndex = 0;
     plot.setAttribute("role", "group");
     plot.setAttribute("aria-label", `${svg.getAttribute("aria-label")} Arrow keys read the points one by one.`);
-    let current = null;
-    const visible = () => points.filter((point) => !point.series.classList.contains("off"));
+    let current = null, wanted = 0;
+    const visible = () => points.filter((point) => !point.series.closest(".off"));
     const clear = () => { current = null; tip.hidden = true; halo.remove(); };
     const show = (point, said) => {
       current = point;
@@ -225,11 +257,13 @@
       else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
         const other = current ? step(groups, group, event.key === "ArrowDown" ? 1 : -1) : groups[0];
         const others = shown.filter((point) => point.series === other);
-        const near = (point) => Math.abs(point.x - (current?.x ?? 0));
+        // the place is kept on the way through other panels
+        const near = (point) => Math.abs(point.x - wanted);
         next = others.reduce((best, point) => (near(point) < near(best) ? point : best));
       } else if (event.key === "Escape") { clear(); return; }
       if (!next) return;
       event.preventDefault();
+      if (!event.key.match(/Up|Down/)) wanted = next.x;
       show(next, true);
     });
   }
