@@ -29,6 +29,7 @@ from uqfold.plots.wording import (
     count_text,
     criterion_key,
     criterion_text,
+    drawable,
     finite,
     in_figure,
     panel_key,
@@ -93,8 +94,8 @@ def comparison(frame: pd.DataFrame) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    rows = [row for row in comparison_rows(frame) if math.isfinite(row["threshold"])]
-    if all(math.isnan(row["pf"]) for row in rows):
+    rows = drawable(comparison_rows(frame))
+    if not drawable(rows, "pf"):
         raise ValueError("frame has no answer at a finite threshold: there is nothing to draw")
     panels: dict[tuple[float | None, str], list[Row]] = {}
     for row in rows:

@@ -23,6 +23,7 @@ from uqfold.plots.telling import gid, tell
 from uqfold.plots.wording import (
     answer_text,
     comparison_rows,
+    drawable,
     finite,
     in_figure,
     panel_key,
@@ -41,8 +42,8 @@ if TYPE_CHECKING:
 SIZE_INCHES = (7.0, 4.6)
 SIDE_STEP = 0.03
 """Distance between methods of nearly equal cost, as a part of the axis."""
-SMALLEST, LARGEST = 1e-16, 1e12
-"""Errors outside have no place on the axis."""
+SMALLEST = 1e-16
+"""Errors below are drawn on the lower edge."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Ax
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    rows = comparison_rows(frame)
+    rows = drawable(comparison_rows(frame))
     if ax is not None:
         instance("ax", ax, Axes, "give Axes of matplotlib")
     clouds = error_clouds(rows)
@@ -114,9 +115,8 @@ def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Ax
 def error_clouds(rows: Sequence[Row]) -> list[Cloud]:
     """Return the errors of every method that has some."""
     by_label: dict[str, list[Row]] = {}
-    for row in rows:
-        if not math.isnan(row["error"]):
-            by_label.setdefault(row["label"], []).append(row)
+    for row in drawable(rows, "error"):
+        by_label.setdefault(row["label"], []).append(row)
     return [
         Cloud(
             label,
@@ -149,7 +149,7 @@ def side_steps(clouds: Sequence[Cloud], left: float, right: float) -> dict[str, 
 def _error_limits(clouds: Sequence[Cloud]) -> tuple[float, float]:
     """Return the ends of the axis of errors; an error of zero belongs on its lower end."""
     errors = np.concatenate([cloud.error for cloud in clouds])
-    positive = errors[(errors > SMALLEST) & (errors < LARGEST)]
+    positive = errors[errors > SMALLEST]
     if positive.size == 0:
         return 1e-6, 1.0
     return float(positive.min()) / 2.0, max(float(positive.max()) * 2.0, 0.02)
@@ -179,8 +179,7 @@ def _draw(ax: Axes, cloud: Cloud, style: MethodStyle, step: float, low: float, u
             )  # fmt: skip
             texts = [answer_text(cloud.rows[i], unit) for i in chosen]
             tell(line, gid(method=cloud.label, criterion=name), texts)
-    with np.errstate(over="ignore"):
-        typical = float(np.median(cloud.error))
+    typical = float(np.median(cloud.error))
     # the single criteria stay visible on it
     (line,) = ax.plot(step * cloud.cost, max(typical, low), **look, markersize=12.0,
                       markeredgewidth=1.3, markerfacecolor=style.pale, zorder=1.9)  # fmt: skip
@@ -200,6 +199,8 @@ def _format_ticks(ax: Axes) -> None:
 def _draw_resolution(ax: Axes, clouds: Sequence[Cloud], low: float) -> None:
     """Shade the errors that the reference is too uncertain to judge."""
     levels = finite(reference_resolution(row) for cloud in clouds for row in cloud.rows)
+    if not levels:
+        return
     for level, alpha, label in (
         (max(levels), 0.45, "below 2 standard errors\nof some references"),
         (min(levels), 1.0, "below 2 standard errors\nof every reference"),

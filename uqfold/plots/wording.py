@@ -19,6 +19,9 @@ NO_VALUE = "-"
 REFERENCE_STANDARD_ERRORS = 2.0
 """Width of the band in which a reference cannot tell an estimate from the truth."""
 
+LARGEST = 1e12
+"""Numbers beyond have no place on an axis."""
+
 CriterionKey: TypeAlias = tuple[float, float | None, str]
 
 
@@ -156,6 +159,22 @@ def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
         raise ValueError(f"frame has no column {missing[0]!r}: {remedy}")
     rows: list[dict[str, Any]] = frame.to_dict("records")
     return rows
+
+
+def drawable(rows: Iterable[Row], *needed: str) -> list[dict[str, Any]]:
+    """Return the rows at finite thresholds, without numbers that have no place on an axis.
+
+    Such numbers (infinite, negative, beyond `LARGEST`) become NaN; rows that lack one of the
+    columns `needed` are left out.
+    """
+    numbers = ("pf", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error")
+    found = []
+    for row in rows:
+        kept = {name: row[name] if 0.0 <= row[name] <= LARGEST else math.nan for name in numbers}
+        empty = any(math.isnan(kept[one]) for one in needed)
+        if math.isfinite(row["threshold"]) and not empty:
+            found.append({**row, **kept})
+    return found
 
 
 def answer_text(row: Row, unit: str) -> str:

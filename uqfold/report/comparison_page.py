@@ -16,6 +16,7 @@ from uqfold.plots.wording import (
     Row,
     comparison_rows,
     count_text,
+    drawable,
     panel_key,
     panel_text,
     percent,
@@ -100,7 +101,7 @@ def _lead(header: Mapping[str, Any], rows: Sequence[Row], finished: Sequence[str
 
 def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
     unit = frame.attrs[HEADER]["response_unit"]
-    if any(math.isfinite(row["threshold"]) and row["pf"] >= 0.0 for row in rows):
+    if drawable(rows, "pf"):
         page.section("Answers", name="curves")
         page.figure(
             comparison(frame),
@@ -108,7 +109,7 @@ def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
             _RATIOS,
             name="comparison",
         )
-    if any(row["error"] >= 0.0 for row in rows):
+    if drawable(rows, "error"):
         page.section("Error against cost", name="cost")
         page.figure(
             error_against_evaluations(frame),

@@ -10,7 +10,7 @@ from uqfold.checks import path as checked_path
 from uqfold.plots.comparison_figure import comparison
 from uqfold.plots.error_figure import error_against_evaluations
 from uqfold.plots.saving import save
-from uqfold.plots.wording import comparison_rows
+from uqfold.plots.wording import comparison_rows, drawable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,9 +50,9 @@ def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[P
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
-    if any(abs(row["threshold"]) < float("inf") and row["pf"] >= 0.0 for row in rows):
+    if drawable(rows, "pf"):
         written += save(comparison(frame), directory / COMPARISON_STEM, FORMATS)
-    if any(row["error"] >= 0.0 for row in rows):
+    if drawable(rows, "error"):
         written += save(error_against_evaluations(frame), directory / ERROR_STEM, FORMATS)
     return written
 
