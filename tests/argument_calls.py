@@ -31,7 +31,6 @@ from uqfold import (
     testing,
     validation,
 )
-from uqfold.comparison.entries import records_from_frame
 from uqfold.validation.record import write_case_record
 
 WRONG: dict[str, Any] = {
@@ -210,7 +209,6 @@ def calls(folder: Path) -> dict[str, Call]:
     joint = problem.inputs
     plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
     *_, compared = comparison.run_comparison(plan)
-    records = records_from_frame(compared)
     comparison.write_records(compared, folder)
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
     frame = compared.assign(**known)
@@ -841,7 +839,7 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "report.literal": Call(report.literal, {"text": text()}),
-        "report.ComparisonTable": Call(report.ComparisonTable, {"records": thing(records)}),
+        "report.ComparisonTable": Call(report.ComparisonTable, {"frame": thing(frame)}),
         "report.report_page": Call(
             report.report_page, {"source": Kind(str(folder), folder, frozenset({"text"}))}
         ),
@@ -849,7 +847,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "report.write_report": Call(
             report.write_report,
             {
-                "source": thing(records).also("text"),
+                "source": thing(frame).also("text"),
                 "path": Kind(str(folder / "r.html"), folder / "r.html", frozenset({"text"})),
                 "format": choice("html").except_for("none"),
             },
