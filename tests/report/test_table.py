@@ -8,9 +8,9 @@ import pytest
 from rich.console import Console
 
 from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
+from uqfold.plots.wording import criterion_text
 from uqfold.problems.criterion import criteria
 from uqfold.report import ComparisonTable
-from uqfold.report.wording import criterion_text
 
 ANSI = re.compile(r"\x1b\[")
 

@@ -14,7 +14,6 @@ from uqfold.plots.wording import comparison_rows, drawable
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
 COMPARISON_STEM = "comparison"
 ERROR_STEM = "error-against-evaluations"
@@ -55,8 +54,3 @@ def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[P
     if drawable(rows, "error"):
         written += save(error_against_evaluations(frame), directory / ERROR_STEM, FORMATS)
     return written
-
-
-def save_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
-    """Write one figure in all `FORMATS`."""
-    return save(figure, folder / stem, FORMATS)

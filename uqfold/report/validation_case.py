@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from uqfold.plots import points
+from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone
 from uqfold.report.page.markup import literal
-from uqfold.report.wording import seconds_text
 from uqfold.validation.findings import VERDICT_RULE, Finding, number
 from uqfold.validation.measurement import Points, Table
 from uqfold.validation.record import CaseRecord

@@ -9,12 +9,12 @@ from typing import Any, get_args
 import pandas as pd
 
 import uqfold
+from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone
 from uqfold.report.page.markup import literal
 from uqfold.report.validation_case import VERDICT_TONES, case_anchor, case_section
 from uqfold.report.verdicts import kept_text, reasons
-from uqfold.report.wording import seconds_text
 from uqfold.validation.changes import Changes
 from uqfold.validation.check import fingerprint
 from uqfold.validation.findings import Verdict

@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from uqfold.report.wording import seconds_text
+from uqfold.plots.wording import seconds_text
 from uqfold.validation.changes import Changes
 from uqfold.validation.record import CaseRecord
 

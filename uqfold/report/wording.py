@@ -1,48 +1,10 @@
-"""What methods say about their answers; numbers are written by `uqfold.plots.wording`."""
+"""What methods say about their answers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from uqfold.comparison.columns import Row
-from uqfold.plots.wording import (
-    NO_VALUE,
-    REFERENCE_STANDARD_ERRORS,
-    CriterionKey,
-    count_text,
-    criterion_key,
-    criterion_text,
-    finite,
-    panel_key,
-    panel_text,
-    percent,
-    probability,
-    quantity,
-    reference_resolution,
-    scientific,
-    seconds_text,
-)
-
-__all__ = [
-    "NO_VALUE",
-    "REFERENCE_STANDARD_ERRORS",
-    "UNCHECKED",
-    "CriterionKey",
-    "count_text",
-    "criterion_key",
-    "criterion_text",
-    "finite",
-    "panel_key",
-    "panel_text",
-    "percent",
-    "probability",
-    "quantity",
-    "reference_resolution",
-    "remark",
-    "remarks",
-    "scientific",
-    "seconds_text",
-]
+from uqfold.plots.wording import Row, scientific
 
 UNCHECKED = "nobody estimated the error of the answer"
 """What the status ``unchecked`` means."""

@@ -3,8 +3,8 @@
 import pytest
 
 from uqfold.methods import available
+from uqfold.plots.style import method_styles
 from uqfold.report.page.colors import DARK_PAPER, LEAST_CONTRAST, LIGHT_PAPER, contrast, readable
-from uqfold.report.style import method_styles
 
 
 def channels(color: str) -> tuple[float, ...]:
