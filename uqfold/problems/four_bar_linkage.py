@@ -1,4 +1,4 @@
-"""Example 2: two four-bar linkages that share their crank (section 4.2, Table 4, Eq. 50).
+"""Two four-bar linkages that share their crank (section 4.2, Table 4, Eq. 50).
 
 Two four-bar linkages turn with one crank, R_1, held at theta = 100.5 deg. In each of them a
 coupler (R_2) joins the crank to a rocker (R_3), which is pivoted on the ground (R_4); the response
@@ -109,7 +109,7 @@ class RockerAngle:
 
 
 def four_bar(branch: Branch = "open") -> Problem:
-    """Return the system of two four-bar linkages of Example 2.
+    """Return the system of two four-bar linkages of Table 4.
 
     Parameters
     ----------

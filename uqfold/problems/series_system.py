@@ -1,4 +1,4 @@
-"""Example 1: a mathematical series system (section 4.1, Table 2).
+"""A mathematical series system (section 4.1, Table 2).
 
 Four units in series share the input X1; each has inputs X2 and X3 of its own (the paper numbers
 them X2 to X9). The response of every unit is ::
@@ -39,7 +39,7 @@ DEFAULT_TAU = (None, 16.0)
 
 
 def series() -> Problem:
-    """Return the mathematical series system of Example 1.
+    """Return the mathematical series system of Table 2.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def series() -> Problem:
 
 
 def series_response(x: FloatArray) -> FloatArray:
-    """Response of one unit of Example 1.
+    """Response of one unit.
 
     Parameters
     ----------

@@ -1,17 +1,15 @@
-"""The folding-wing system: Example 3 with its varied conditions, and Example 6.
+"""The folding-wing system, and the one whose arms have random lengths.
 
 Four wings fold out side by side. Each must reach its lock before the threshold T, and under a
 synchronization threshold tau the first and the last may not lie further apart than that. Flight
 speed and pitch angle are one draw for the vehicle and stay the same over its missions; drive
 force, wing thickness and joint clearance are drawn anew for every wing and every mission, since
-the mechanisms are replaced after each flight. In Example 6 the lengths of crank and rod are random
-as well.
+the mechanisms are replaced after each flight. The lengths of crank and rod may be random as well.
 
-- Example 3 (section 4.3, Table 6): `folding_wing()`. Its references come from simulation of the
-  same mechanism.
-- Examples 4 and 5 (sections 4.4 and 4.5): one mean or one standard deviation of Table 6 is
-  changed, `folding_wing(means={"V_q": 100.0})`; the paper's 20 conditions are `CONDITIONS`.
-- Example 6 (section 4.6, Table 10): `folding_wing_random_lengths()`.
+- `folding_wing()`: section 4.3, Table 6. Its references come from simulation of the same mechanism.
+  Any mean or standard deviation can be changed, as sections 4.4 and 4.5 do:
+  `folding_wing(means={"V_q": 100.0})`.
+- `folding_wing_random_lengths()`: section 4.6, Table 10.
 
 This module is the one bridge between the mechanics (SI units) and the random inputs (the units of
 the tables).
@@ -75,48 +73,6 @@ RANDOM_LENGTHS_TAU = (None, 0.025)
 
 
 @dataclass(frozen=True)
-class Condition:
-    """One of the paper's operating conditions: Table 6 with one value changed.
-
-    Attributes
-    ----------
-    name
-        The input.
-    mean, standard_deviation
-        Its changed value, in `INPUT_UNITS`; None where it is that of Table 6.
-    """
-
-    name: str
-    mean: float | None = None
-    standard_deviation: float | None = None
-
-
-CONDITIONS: Mapping[int, Condition] = {
-    1: Condition("V_q", mean=100.0),
-    2: Condition("V_q", mean=180.0),
-    3: Condition("delta", mean=30.0),
-    4: Condition("delta", mean=-30.0),
-    5: Condition("b", mean=6.0),
-    6: Condition("b", mean=8.0),
-    7: Condition("k_d", mean=600.0),
-    8: Condition("k_d", mean=500.0),
-    9: Condition("C_r", mean=2.0),
-    10: Condition("C_r", mean=1.0),
-    11: Condition("V_q", standard_deviation=1.0),
-    12: Condition("V_q", standard_deviation=20.0),
-    13: Condition("delta", standard_deviation=1.0),
-    14: Condition("delta", standard_deviation=20.0),
-    15: Condition("b", standard_deviation=0.01),
-    16: Condition("b", standard_deviation=0.5),
-    17: Condition("k_d", standard_deviation=1.0),
-    18: Condition("k_d", standard_deviation=30.0),
-    19: Condition("C_r", standard_deviation=0.005),
-    20: Condition("C_r", standard_deviation=0.2),
-}
-"""Conditions 1 to 10 of Table 8 and 11 to 20 of Table 9, by the paper's numbers."""
-
-
-@dataclass(frozen=True)
 class DeploymentTime:
     """Deployment time of one wing, in the units of the random inputs.
 
@@ -173,7 +129,7 @@ def folding_wing(
     means: Mapping[str, float] | None = None,
     standard_deviations: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Give the folding-wing system of Example 3, or one of Examples 4 and 5.
+    """Give the folding-wing system of Table 6, or one with other means and standard deviations.
 
     Parameters
     ----------
@@ -189,7 +145,7 @@ def folding_wing(
         Four units; shared inputs V_q (m/s) and delta (deg), individual inputs k_d (N), b (mm) and
         C_r (mm); the response is the deployment time (s), +inf for a wing that never locks. Its
         low-fidelity partner is the wing with ideal joints, which takes no notice of C_r.
-        References and default criteria are those of Example 3: references are attached only to
+        References are attached only to
         the default mechanism under Table 6, default criteria only under Table 6.
 
     Raises
@@ -223,7 +179,7 @@ def folding_wing_random_lengths(
     means: Mapping[str, float] | None = None,
     standard_deviations: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Give the folding-wing system of Example 6, whose arms have random lengths.
+    """Give the folding-wing system of Table 10, whose arms have random lengths.
 
     Parameters
     ----------
