@@ -88,6 +88,7 @@ def test_every_claim_of_a_case_is_counted_and_told() -> None:
     assert "1 of those that hold: an identity, which is no evidence." in said["What holds?"][1]
     text = built(found).markdown()
     assert "| It falls. | Section 1 | holds (an identity) |" in text
+    assert "### A case (1 of 2 hold)" in text
     assert "#### second (does not hold)" in text
     assert "Rule: within 1 % of the end." in text
 

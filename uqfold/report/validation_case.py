@@ -35,8 +35,11 @@ def case_anchor(record: CaseRecord) -> str:
 
 def case_section(page: Page, record: CaseRecord) -> None:
     """Add claim, what was measured for it, and verdict of a case, and how it was measured."""
-    case, tone = record.case, VERDICT_TONES[record.verdict]
-    page.section(case.title, level=2, label=record.verdict, tone=tone, name=case_anchor(record))
+    case, tone, label = record.case, VERDICT_TONES[record.verdict], str(record.verdict)
+    if record.claims:
+        verdicts = list(record.claims.values())
+        label = f"{verdicts.count('holds')} of {len(verdicts)} hold"
+    page.section(case.title, level=2, label=label, tone=tone, name=case_anchor(record))
     page.text(f"**{literal(case.claim)}**")
     if record.error:
         page.text(f"**No measurement:** {literal(record.error)}")
