@@ -201,6 +201,37 @@ def test_what_is_no_distribution_is_refused_by_name(distribution: Any) -> None:
         Problem(lambda x: x[:, 0], individual={"load": distribution})
 
 
+@pytest.mark.parametrize(
+    ("distribution", "message"),
+    [
+        (
+            stats.rv_histogram(np.histogram(np.arange(9.0))),
+            "scipy.stats.rv_histogram is not a frozen distribution: call it, as in "
+            "scipy.stats.rv_histogram(histogram)()",
+        ),
+        (
+            stats.gaussian_kde([1.0, 2.0, 4.0]),
+            "scipy.stats.gaussian_kde is not a frozen distribution: give "
+            "openturns.KernelSmoothing().build(sample)",
+        ),
+        (
+            stats.norm,
+            "scipy.stats.norm is not a frozen distribution: call it with its parameters, as in "
+            "scipy.stats.norm(0, 1)",
+        ),
+    ],
+    ids=_name,
+)
+def test_messages_on_distributions_of_scipy_say_what_to_do(distribution: Any, message: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        Problem(lambda x: x[:, 0], individual={"load": distribution})
+    assert str(caught.value) == f"individual: input 'load': {message}"
+    with pytest.raises(TypeError) as caught:
+        Problem(lambda x: x[:, 0], individual=distribution)
+    assert str(caught.value) == f"individual: {message}"
+    assert product_inputs(None, stats.rv_histogram(np.histogram(np.arange(9.0)))()).dimension == 1
+
+
 def test_a_moved_input_is_checked_too() -> None:
     inputs = product_inputs(None, {"x": ot.TruncatedNormal(0, 1, 8, 10)})
     moved = inputs.with_moments(means={"x": 3.0}, standard_deviations={"x": 0.5})

@@ -98,7 +98,10 @@ def _distribution(name: str, given: Any) -> Any:
         return as_openturns(given)
     except (TypeError, ValueError) as error:
         kind = TypeError if isinstance(error, TypeError) else ValueError
-        raise kind(f"{name} = {shown(given)}: {error}") from error
+        several = isinstance(given, Mapping | Sequence) and not isinstance(given, str | bytes)
+        # the message says itself which input it is, or shows the value
+        bare = several or type(given).__module__.startswith("scipy.")
+        raise kind(f"{name if bare else f'{name} = {shown(given)}'}: {error}") from error
 
 
 def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:

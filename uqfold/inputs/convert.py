@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from uqfold.checks import names as checked_names
-from uqfold.checks import real
+from uqfold.checks import real, shown
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.laws import closed_form
 from uqfold.inputs.marginal import OpenTURNSMarginal
@@ -67,8 +67,8 @@ def as_openturns(distribution: Any) -> Any:
         with np.errstate(all="ignore"):  # what overflows is found below, and refused
             return _continuous(make(distribution))
     raise TypeError(
-        f"{distribution!r} is not a distribution: give an OpenTURNS, a frozen scipy.stats or a "
-        "chaospy distribution, or a mapping from names to such"
+        f"{shown(distribution)} is not a distribution: give an OpenTURNS, a frozen scipy.stats "
+        "or a chaospy distribution, or a mapping from names to such"
     )
 
 
@@ -110,10 +110,13 @@ def _from_scipy(frozen: Any) -> Any:
             "multivariate_normal is taken; state any other by an OpenTURNS copula"
         )
     if not hasattr(frozen, "dist") or not hasattr(frozen, "ppf"):
-        raise TypeError(
-            f"{frozen!r} is not a frozen scipy.stats distribution: call it with its parameters, "
-            "as in scipy.stats.norm(0, 1)"
+        kind = type(frozen).__name__.removesuffix("_gen")
+        if hasattr(frozen, "pmf"):
+            raise ValueError(f"scipy.stats.{kind} is discrete: not supported")
+        remedy = _SCIPY_REMEDIES.get(
+            kind, "call it with its parameters, as in scipy.stats.norm(0, 1)"
         )
+        raise TypeError(f"scipy.stats.{kind} is not a frozen distribution: {remedy}")
     if not hasattr(frozen.dist, "pdf"):
         raise ValueError(f"scipy.stats.{frozen.dist.name} is discrete: not supported")
     shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
@@ -139,6 +142,13 @@ def _from_scipy(frozen: Any) -> Any:
         if candidate is not None and _agrees(candidate, frozen.ppf, frozen.cdf):
             return candidate
     return ot.Distribution(ot.SciPyDistribution(frozen))
+
+
+_SCIPY_REMEDIES = {
+    "gaussian_kde": "give openturns.KernelSmoothing().build(sample)",
+    "rv_histogram": "call it, as in scipy.stats.rv_histogram(histogram)()",
+}
+"""Class of what SciPy does not freeze with parameters -> what to do instead."""
 
 
 def _shape_names(frozen: Any) -> list[str]:
