@@ -17,7 +17,9 @@ from hypothesis import strategies as st
 import uqfold
 from tests.evaluation import models
 from uqfold.evaluation import EvaluationSession, Evaluator, FailedRunError, TimeLimitError
-from uqfold.evaluation.pipeline import LONGEST_SECONDS, LONGEST_SHARE, BatchSize
+from uqfold.evaluation.batch import Caution, Outcome
+from uqfold.evaluation.executors import Runner
+from uqfold.evaluation.pipeline import LONGEST_SECONDS, LONGEST_SHARE, BatchSize, Pipeline
 from uqfold.methods import (
     ConditionalMonteCarlo,
     MonteCarlo,
@@ -122,6 +124,15 @@ def test_a_single_expensive_run_is_the_first_batch_alone(clock: Clock) -> None:
     assert session.n_evals == 2
 
 
+def test_the_run_that_ends_beyond_the_limit_counts(clock: Clock) -> None:
+    """What is complete is handed out, though no time is left for more."""
+    session = opened(clock.model(seconds=10.0), max_seconds=5.0)
+    x = models.rows(1)
+    np.testing.assert_array_equal(session.evaluate(x), models.quadratic(x))
+    with pytest.raises(TimeLimitError):
+        session.evaluate(x)
+
+
 def test_a_cheap_model_soon_gets_batches_as_large_as_without_a_limit(clock: Clock) -> None:
     session = opened(clock.model(seconds=1e-6, per_call=1e-4), max_seconds=60.0)
     session.evaluate(models.rows(100_000))
@@ -137,6 +148,52 @@ def test_the_first_run_may_take_long_since_it_compiles(clock: Clock) -> None:
     session = opened(clock.model(compiling, seconds=1e-6), max_seconds=60.0)
     session.evaluate(models.rows(20_000))
     assert len(clock.sizes) < 40
+
+
+class Dying(Runner):
+    """Workers die over several rows, and take a second for each single one."""
+
+    capacity = 1
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.calls: list[tuple[Any, FloatArray]] = []
+
+    @property
+    def in_flight(self) -> int:
+        return len(self.calls)
+
+    def submit(self, batch: Any, x: FloatArray, caution: Caution) -> None:
+        self.calls.append((batch, x))
+
+    def finished(self, timeout: float) -> tuple[Any, Outcome]:
+        batch, x = self.calls.pop()
+        if len(x) > 1:
+            return batch, Outcome.lost(died="the worker has died")
+        self.now += 1.0
+        return batch, Outcome(models.quadratic(x), "", 1.0)
+
+    def abandon(self) -> None:
+        self.calls.clear()
+
+
+@pytest.mark.parametrize("seconds", [7.0, 1e6])
+def test_a_limit_holds_while_rows_are_run_one_by_one_after_a_death(seconds: float) -> None:
+    runner = Dying()
+
+    def check() -> None:
+        if runner.now >= seconds:
+            raise TimeLimitError("over")
+
+    x = models.rows(20)
+    pipeline = Pipeline(runner, lambda _: 20, lambda: np.inf, None, in_doubt=False)
+    if seconds < 20.0:
+        with pytest.raises(TimeLimitError):
+            list(pipeline.batches([x], check))
+        assert runner.now == seconds
+    else:
+        [batch] = pipeline.batches([x], check)
+        np.testing.assert_array_equal(batch.y, models.quadratic(x))
 
 
 def test_a_batch_takes_a_small_part_of_what_is_left() -> None:

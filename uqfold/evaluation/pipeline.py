@@ -108,7 +108,8 @@ class BatchSize:
 
     def took(self, rows: int, seconds: float) -> None:
         """Learn from a batch."""
-        self._seconds_per_row = seconds / rows
+        if seconds > 0.0:  # of a worker that has died nobody knows
+            self._seconds_per_row = seconds / rows
         self._rows = max(self._rows, GROWTH * rows)
 
 
@@ -176,7 +177,6 @@ class Pipeline:
                 if queue and queue[0].done:
                     yield queue.popleft()
                 elif more and self._has_room(len(queue)):
-                    check()
                     try:
                         batch = next(coming, None)
                     except (BudgetExceededError, ValueError) as error:
@@ -184,6 +184,7 @@ class Pipeline:
                     if batch is None:
                         more = False
                     else:
+                        check()
                         self._begin(batch, is_first=not queue)
                         queue.append(batch)
                 else:
@@ -233,8 +234,8 @@ class Pipeline:
         with program_blas_threads():
             while (found := self.runner.finished(WAKE_SECONDS)) is None:
                 check()
-        call: _Call = found[0]
-        outcome = found[1]
+        call: _Call
+        call, outcome = found
         if outcome.unusable:
             raise ModelError(outcome.unusable)
         if outcome.died and self._run_again(call):
@@ -256,6 +257,7 @@ class Pipeline:
             hold = self._in_doubt and rows.size > 1
             self._shelf.keep(batch.x, batch.y, rows, outcome.seconds, hold=hold)
         if not batch.done:
+            check()
             self._submit(_Call(batch, call.later[:1], call.later[1:]))
 
     def _run_again(self, call: _Call) -> bool:
