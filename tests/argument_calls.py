@@ -171,11 +171,12 @@ WITHOUT_ARGUMENT_CHECKS = {
     # the package's own side of store, executors and sessions
     "analysis.Scan.of",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
+    "evaluation.EvaluationSession.expect",
     "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
     "methods.AskTellSession.replay",
-    "methods.Estimate.without_answer", "methods.Task.expect", "methods.Task.generator",
-    "methods.Task.evaluate", "methods.Task.summed_up", "testing.LinearNormalSystem.response",
+    "methods.Estimate.without_answer", "methods.Task.generator",
+    "methods.Task.summed_up", "testing.LinearNormalSystem.response",
     "validation.Work.parts", "validation.Work.pick", "validation.record_schema",
     # records without fields: their verbs are in the table
     "ReliabilityMethod", "methods.SequentialMethod",
