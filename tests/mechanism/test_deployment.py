@@ -20,7 +20,9 @@ from uqfold.mechanism import (
 )
 from uqfold.mechanism.compiled import fingerprint
 from uqfold.mechanism.deployment import COARSEST_TOLERANCE, FINEST_TOLERANCE, deploy_rows
+from validation.against_scipy.measure import stored_times
 from validation.mechanism import independent
+from validation.mechanism.parameter_sets import parameter_sets
 
 TABLE_6 = WingParameters(C_r=0.0015)
 TABLE_10 = TABLE_6.replace(V_q=200, k_d=1100, b=0.006)
@@ -89,17 +91,6 @@ def test_scatter_under_table_6():
     assert times.std(ddof=1) == pytest.approx(0.0102, abs=4 * standard_error + 0.00005)
 
 
-def test_default_tolerance_meets_its_accuracy():
-    n = 400
-    draws = {name: values[:n] for name, values in table_6_draws(3000).items()}
-    reference = deployment_times(TABLE_6, tolerance=1e-10, **draws)
-    error = deployment_times(TABLE_6, **draws) - reference
-    assert np.median(np.abs(error)) <= 2e-5
-    assert np.sqrt(np.mean(error**2)) <= 5e-5
-    assert abs(np.mean(error)) <= 5e-6
-    assert np.max(np.abs(error)) <= 3e-4
-
-
 def test_halving_the_tolerance_converges():
     draws = {name: values[:150] for name, values in table_6_draws(3000).items()}
     reference = deployment_times(TABLE_6, tolerance=1e-11, **draws)
@@ -114,21 +105,27 @@ def test_halving_the_tolerance_converges():
 @pytest.mark.parametrize(
     "parameters",
     [
-        TABLE_6,
-        TABLE_6.replace(tangential_velocity="material", C_r=0.001),
-        TABLE_10,
-        TABLE_6.replace(C_r=0.001, C_e=0.7),
+        TABLE_6.replace(tangential_velocity="material", C_r=0.001, C_e=0.7),
         TABLE_6.replace(delta=-0.2, V_q=170, l_1=1.504, l_2=1.297, C_f=0.2),
     ],
-    ids=["table 6", "material", "table 10", "soft impacts", "other"],
+    ids=["material, soft impacts", "other"],
 )
 def test_agrees_with_an_independent_integration(parameters):
+    """Beside the sets of `against_scipy`, whose times are stored."""
     # what 1e-6 of the clearance does to the time bounds what agreement can mean
     shifts = parameters.C_r * (1 + 1e-6 * np.arange(-2, 3))
     times = deployment_times(parameters, C_r=shifts, tolerance=1e-12)
     expected = independent.deployment_time(parameters)
     assert np.ptp(times) < 1e-6
     assert times[2] == pytest.approx(expected, abs=1e-6)
+
+
+def test_agrees_with_stored_times_of_the_independent_integration():
+    stored, wings = stored_times(), parameter_sets()
+    names = [f"table {k}{what}" for k in (1, 6, 10) for what in ("", ", material")]
+    for name in names:
+        time = deployment_times(wings[name], tolerance=1e-12)[0]
+        assert time == pytest.approx(stored[name][0], abs=1e-6), name
 
 
 def test_the_onset_velocity_floor_does_not_matter():

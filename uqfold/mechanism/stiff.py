@@ -115,7 +115,7 @@ def _advance_coarsely(
 
 def _build(source: int) -> Callable[..., Any]:
     @entry_point
-    def deploy_stiff(wings, tolerance, record):  # type: ignore[no-untyped-def]
+    def deploy(wings, tolerance, record):  # type: ignore[no-untyped-def]
         """Follow one wing that can be built, the first in the table of `wings`, to its end.
 
         Returns its deployment time, +inf if it does not lock, whether that time is rough, and the
@@ -149,7 +149,7 @@ def _build(source: int) -> Callable[..., Any]:
                 write_point(record, taken, state)
         return state.t if status == LOCKED else math.inf, rough, taken
 
-    return deploy_stiff
+    return deploy
 
 
 deploy_stiff = _build(fingerprint())
