@@ -25,7 +25,6 @@ from validation.mechanism import independent
 from validation.mechanism.parameter_sets import parameter_sets
 
 TABLE_6 = WingParameters(C_r=0.0015)
-TABLE_10 = TABLE_6.replace(V_q=200, k_d=1100, b=0.006)
 
 
 def time(tolerance=1e-9, **changes):

@@ -13,32 +13,15 @@ import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any
 
 from numba import njit
 
-F = TypeVar("F", bound=Callable[..., Any])
+kernel = njit(error_model="numpy")
+"""Decorator of a kernel."""
 
-
-def kernel(function: F, *, inline: bool = False) -> F:
-    """Compile a kernel, when another one or an entry point first calls it.
-
-    One with a private name is for kernels alone, and calling it from Python ends the process: the
-    wrappers that Python needs would take longer to compile than it.
-    """
-    private = function.__name__.startswith("_")
-    compiled: F = cast(Any, njit)(
-        error_model="numpy",
-        forceinline=inline,
-        no_cpython_wrapper=private,
-        no_cfunc_wrapper=True,
-    )(function)
-    return compiled
-
-
-def inlined(function: F) -> F:
-    """Compile a small kernel into its caller."""
-    return kernel(function, inline=True)
+inlined = njit(error_model="numpy", forceinline=True)
+"""Decorator of a small kernel that is compiled into its caller."""
 
 
 def entry_point(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -69,9 +69,9 @@ def lane_access(record: type) -> tuple[Callable[..., Any], Callable[..., None]]:
         ]
     # written out field by field, as numba cannot loop over the fields of a record
     source = (
-        f"def _read(rows, i):\n    return record({', '.join(reads)})\n"
-        "def _write(rows, i, values):\n    " + "\n    ".join(writes)
+        f"def read(rows, i):\n    return record({', '.join(reads)})\n"
+        "def write(rows, i, values):\n    " + "\n    ".join(writes)
     )
     made: dict[str, Any] = {"__name__": __name__, "record": record}
     exec(source, made)
-    return inlined(made["_read"]), inlined(made["_write"])
+    return inlined(made["read"]), inlined(made["write"])
