@@ -100,7 +100,7 @@ def test_few_failures_state_no_error() -> None:
     found = score_derivatives(SYSTEM.problem(), criteria(14.0), 2_000, rng=0)
     assert {row.status for row in found} == {"doubtful"}
     assert all(math.isnan(row.std_error) for row in found)
-    assert "failures among 2000 systems" in found.rows[0].message
+    assert "failure among 2000 systems" in found.rows[0].message
 
 
 def test_failed_runs_count_as_failures() -> None:
