@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from types import TracebackType
 
 from rich.console import Console, RenderableType
 from rich.progress import (
@@ -28,11 +27,11 @@ WIDE = 130
 """Terminals from this width on show the running estimate too."""
 
 
-class ComparisonProgressBar:
+class ComparisonProgressBar(Progress):
     """Shows which method runs, how far it is, its rate and the time left.
 
     To be used as a context manager, and to be called as the progress hook of
-    `uqfold.comparison.run_comparison`.
+    `uqfold.comparison.run_comparison`. Draws nothing in the first two seconds of a method.
 
     Parameters
     ----------
@@ -46,43 +45,42 @@ class ComparisonProgressBar:
 
     def __init__(self, labels: Sequence[str], console: Console, unit: str = "evaluations") -> None:
         self._labels = list(labels)
-        self._bar = _LateProgress(console, unit)
-        self._enabled = console.is_terminal
-        self._task: TaskID | None = None
+        self._since = time.monotonic()
+        self._current: TaskID | None = None
+        columns = [
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=30 if console.width >= WIDE else 10),
+            _CountColumn(unit),
+            TimeRemainingColumn(compact=True),
+        ]
+        if console.width >= WIDE:
+            columns.append(TextColumn("{task.fields[estimate]}", markup=False))
+        super().__init__(
+            *columns, console=console, transient=True, disable=not console.is_terminal
+        )  # fmt: skip
 
-    def __enter__(self) -> ComparisonProgressBar:
-        """Start drawing."""
-        if self._enabled:
-            self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Remove the bar."""
-        if self._enabled:
-            self._bar.stop()
+    def get_renderables(self) -> Iterable[RenderableType]:
+        """Return what is drawn: nothing as long as it may be over soon."""
+        if time.monotonic() - self._since >= SHOW_AFTER_SECONDS:
+            yield from super().get_renderables()
 
     def watch(self, estimate: RunningEstimate) -> None:
         """Show where the method that runs stands."""
-        if self._task is not None:
+        if self._current is not None:
             interval = f"[{estimate.ci_low:.2g}, {estimate.ci_high:.2g}]"
-            self._bar.update(self._task, estimate=f"pf = {estimate.pf:.2g} {interval}")
+            self.update(self._current, estimate=f"pf = {estimate.pf:.2g} {interval}")
 
     def __call__(self, label: str, n_evals: int, expected: int | None) -> None:
         """Take one report of the comparison; zero runs mean that the method starts."""
-        if n_evals == 0 or self._task is None:
-            if self._task is not None:
-                self._bar.remove_task(self._task)
+        if n_evals == 0 or self._current is None:
+            if self._current is not None:
+                self.remove_task(self._current)
+            self._since = time.monotonic()
             number = self._labels.index(label) + 1
-            self._bar.restart()
-            self._task = self._bar.add_task(
-                f"{number}/{len(self._labels)} {label}", total=None, estimate=""
-            )
-        self._bar.update(self._task, completed=n_evals, total=expected)
+            name = f"{number}/{len(self._labels)} {label}"
+            self._current = self.add_task(name, total=None, estimate="")
+        self.update(self._current, completed=n_evals, total=expected)
 
 
 @contextmanager
@@ -95,30 +93,6 @@ def notice_if_slow(message: str, console: Console) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
-
-
-class _LateProgress(Progress):
-    """Draws nothing in the first two seconds after `restart`."""
-
-    def __init__(self, console: Console, unit: str) -> None:
-        self._since = time.monotonic()
-        columns = [
-            SpinnerColumn(),
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=30 if console.width >= WIDE else 10),
-            _CountColumn(unit),
-            TimeRemainingColumn(compact=True),
-        ]
-        if console.width >= WIDE:
-            columns.append(TextColumn("{task.fields[estimate]}", markup=False))
-        super().__init__(*columns, console=console, transient=True)
-
-    def restart(self) -> None:
-        self._since = time.monotonic()
-
-    def get_renderables(self) -> Iterable[RenderableType]:
-        if time.monotonic() - self._since >= SHOW_AFTER_SECONDS:
-            yield from super().get_renderables()
 
 
 class _CountColumn(ProgressColumn):

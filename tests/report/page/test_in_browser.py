@@ -33,7 +33,7 @@ def files(records: pd.DataFrame, tmp_path_factory: pytest.TempPathFactory) -> di
     cases = [full_record(), full_record(name="other", title="Another case")]
     many = {f"told-{i}": Told(n=50 * 3**i, bias=0.3 * (-0.5) ** i) for i in range(7)}
     eight = toy_frame(criteria([11.0, 12.0, 13.0]), {**many, "broken": METHODS["broken"]})
-    broken = Measurement.of([Finding("largest difference", 3e-5, 2e-6, "s", remark="far off")] * 3)
+    broken = Measurement([Finding("largest difference", 3e-5, 2e-6, "s", remark="far off")] * 3)
     failing = [
         full_record(
             name=f"case_{i}", title=f"A case of some length, number {i}", measurement=broken
