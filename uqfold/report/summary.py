@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import Row, count_text, percent, seconds_text
-from uqfold.report.judgement import (
-    NOT_CONVERGED,
-    RIGHT_WITHIN,
-    Judgement,
-    judgements,
-    spreads,
-)
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Cell, Tone, typeset
 from uqfold.report.page.markup import literal
+from uqfold.report.scores import (
+    NOT_CONVERGED,
+    RIGHT_WITHIN,
+    MethodScore,
+    method_scores,
+    spreads,
+)
 from uqfold.report.wording import UNCHECKED
 
 if TYPE_CHECKING:
@@ -35,29 +35,29 @@ _MOST_LINES = 3
 
 def add_summary(page: Page, rows: Sequence[Row]) -> None:
     """Add the first screen of the report on a comparison: cards, and one line per method."""
-    judged = judgements(rows)
-    _add_right(page, rows, judged)
-    _add_cost(page, judged)
-    _add_failures(page, judged)
+    scored = method_scores(rows)
+    _add_right(page, rows, scored)
+    _add_cost(page, scored)
+    _add_failures(page, scored)
     page.table(
-        _methods(judged),
+        _methods(scored),
         "Methods",
         name="methods-in-short",
-        belongs=[gid(method=one.label) for one in judged],
+        belongs=[gid(method=one.label) for one in scored],
     )
     said = "One evaluation is one run of the model."
-    if any(one.referenced for one in judged):
+    if any(one.referenced for one in scored):
         said += (
             f" Error: |pf - reference| / reference, Eq. (49). An answer is within {_RIGHT} also "
             "where two standard errors of the reference are more."
         )
-    if any(one.statuses["unchecked"] for one in judged):
+    if any(one.statuses["unchecked"] for one in scored):
         said += f" Unchecked: {UNCHECKED}."
     page.text(said, small=True)
 
 
-def _add_right(page: Page, rows: Sequence[Row], judged: Sequence[Judgement]) -> None:
-    referenced = [one for one in judged if one.referenced]
+def _add_right(page: Page, rows: Sequence[Row], scored: Sequence[MethodScore]) -> None:
+    referenced = [one for one in scored if one.referenced]
     if not referenced:
         _add_agreement(page, rows)
         return
@@ -89,9 +89,9 @@ def _add_agreement(page: Page, rows: Sequence[Row]) -> None:
     page.card(title, answer, half, note, tone=tone)
 
 
-def _add_cost(page: Page, judged: Sequence[Judgement]) -> None:
+def _add_cost(page: Page, scored: Sequence[MethodScore]) -> None:
     title = "At what cost?"
-    answering = [one for one in judged if one.answered]
+    answering = [one for one in scored if one.answered]
     if not answering:
         page.card(title, "No answer at any cost", tone="bad")
         return
@@ -116,13 +116,13 @@ def _add_cost(page: Page, judged: Sequence[Judgement]) -> None:
     page.card(title, f"{count_text(best.n_evals)} evaluations", *more)
 
 
-def _by_cost(judged: Sequence[Judgement]) -> list[Judgement]:
-    return sorted(judged, key=lambda one: one.n_evals)
+def _by_cost(scored: Sequence[MethodScore]) -> list[MethodScore]:
+    return sorted(scored, key=lambda one: one.n_evals)
 
 
-def _add_failures(page: Page, judged: Sequence[Judgement]) -> None:
+def _add_failures(page: Page, scored: Sequence[MethodScore]) -> None:
     title = "What failed?"
-    total: Counter[str] = sum((one.statuses for one in judged), Counter())
+    total: Counter[str] = sum((one.statuses for one in scored), Counter())
     rows = total.total()
     lost, refused = total["failed"], total["unsupported"]
     doubted, short = total["doubtful"], total["budget_exhausted"]
@@ -147,7 +147,7 @@ def _add_failures(page: Page, judged: Sequence[Judgement]) -> None:
     more = [f"Also {', '.join(f'{count} {name}' for count, name in others)}."] if others else []
     if not first:
         more = [f"{refused} of {rows} answers are outside what a method can do."]
-    guilty = [one.label for one in judged if any(one.statuses[s] for s in _FAULTS)]
+    guilty = [one.label for one in scored if any(one.statuses[s] for s in _FAULTS)]
     if guilty:
         more.append(f"Concerns {_listed(guilty)}.")
     if unchecked:
@@ -167,21 +167,21 @@ def _listed(labels: Sequence[str]) -> str:
     return f"{', '.join(front)} and {last}" if front else last
 
 
-def _methods(judged: Sequence[Judgement]) -> pd.DataFrame:
+def _methods(scored: Sequence[MethodScore]) -> pd.DataFrame:
     import pandas as pd
 
-    columns: dict[str, list[Any]] = {"method": [one.label for one in judged]}
-    columns["status"] = [_status(one) for one in judged]
-    columns["answered"] = [Cell(f"{one.answered} of {one.asked}", one.answered) for one in judged]
-    if any(one.referenced for one in judged):
-        columns["median error"] = [_error(one.median_error) for one in judged]
-        columns["largest"] = [_error(max(one.errors, default=math.nan)) for one in judged]
+    columns: dict[str, list[Any]] = {"method": [one.label for one in scored]}
+    columns["status"] = [_status(one) for one in scored]
+    columns["answered"] = [Cell(f"{one.answered} of {one.asked}", one.answered) for one in scored]
+    if any(one.referenced for one in scored):
+        columns["median error"] = [_error(one.median_error) for one in scored]
+        columns["largest"] = [_error(max(one.errors, default=math.nan)) for one in scored]
         columns[f"within {_RIGHT}"] = [
-            Cell(f"{one.right} of {one.referenced}", one.right) for one in judged
+            Cell(f"{one.right} of {one.referenced}", one.right) for one in scored
         ]
-        columns["interval covers"] = [_cover(one) for one in judged]
-    columns["evaluations"] = [one.n_evals for one in judged]
-    columns["time"] = [Cell(seconds_text(one.seconds), one.seconds) for one in judged]
+        columns["interval covers"] = [_cover(one) for one in scored]
+    columns["evaluations"] = [one.n_evals for one in scored]
+    columns["time"] = [Cell(seconds_text(one.seconds), one.seconds) for one in scored]
     return pd.DataFrame(columns)
 
 
@@ -189,13 +189,13 @@ def _error(error: float) -> Cell:
     return Cell("no answer" if math.isnan(error) else typeset(percent(error)), error)
 
 
-def _cover(one: Judgement) -> Cell:
+def _cover(one: MethodScore) -> Cell:
     if not one.intervals:
         return Cell("none stated", math.nan)
     return Cell(f"{one.covering} of {one.intervals}", one.covering / one.intervals)
 
 
-def _status(one: Judgement) -> Cell:
+def _status(one: MethodScore) -> Cell:
     text = ", ".join(
         f"{count} {status.replace('_', ' ')}"
         for status in NOT_CONVERGED

@@ -10,9 +10,9 @@ from uqfold.methods import ReliabilityMethod
 from uqfold.plots.wording import Row
 from uqfold.problems.criterion import criteria
 from uqfold.report import Page
-from uqfold.report.judgement import Judgement, judgements, spreads
 from uqfold.report.page.builder import Card
 from uqfold.report.page.markup import plain
+from uqfold.report.scores import MethodScore, method_scores, spreads
 from uqfold.report.summary import add_summary
 
 
@@ -25,8 +25,8 @@ def rows() -> Sequence[Row]:
     return rows_of()
 
 
-def judged(rows: Sequence[Row]) -> dict[str, Judgement]:
-    return {one.label: one for one in judgements(rows)}
+def judged(rows: Sequence[Row]) -> dict[str, MethodScore]:
+    return {one.label: one for one in method_scores(rows)}
 
 
 def cards_of(rows: Sequence[Row]) -> dict[str, Card]:

@@ -17,7 +17,7 @@ NOT_CONVERGED = tuple(status for status in STATUSES if status != "converged")
 
 
 @dataclass(frozen=True)
-class Judgement:
+class MethodScore:
     """What one method did.
 
     Attributes
@@ -65,10 +65,10 @@ class Judgement:
         return 0 < self.right == len(self.errors)
 
 
-def judgements(rows: Sequence[Row]) -> list[Judgement]:
-    """Judge every method of a comparison, in the order in which they ran."""
+def method_scores(rows: Sequence[Row]) -> list[MethodScore]:
+    """Score every method of a comparison, in the order in which they ran."""
     labels = dict.fromkeys(row["label"] for row in rows)
-    return [_judged(label, [row for row in rows if row["label"] == label]) for label in labels]
+    return [_scored(label, [row for row in rows if row["label"] == label]) for label in labels]
 
 
 def spreads(rows: Sequence[Row]) -> list[float]:
@@ -83,10 +83,10 @@ def spreads(rows: Sequence[Row]) -> list[float]:
     return [max(own) / min(own) - 1.0 for own in answers.values() if len(own) > 1]
 
 
-def _judged(label: str, rows: Sequence[Row]) -> Judgement:
+def _scored(label: str, rows: Sequence[Row]) -> MethodScore:
     referenced = [row for row in rows if row["reference_pf"] > 0.0]
     with_interval = [row for row in referenced if not math.isnan(row["ci_low"] + row["ci_high"])]
-    return Judgement(
+    return MethodScore(
         label=label,
         asked=len(rows),
         answered=sum(not math.isnan(row["pf"]) for row in rows),
