@@ -81,31 +81,21 @@ class Run:
 
     def problems(self, problems: Mapping[str, uqfold.Problem]) -> None:
         """Keep the tables ``problems`` and ``inputs``."""
-        rows: list[dict[str, Any]] = []
-        inputs: list[dict[str, Any]] = []
+        rows, inputs = [], []
         for name, problem in problems.items():
             known = problem.references
-            rows.append({
-                "problem": name,
-                "response": problem.response,
-                "response_unit": problem.response_unit,
-                "units": problem.n_units,
-                "reference_kind": "" if known is None else known.kind,
-                "reference_how": "" if known is None else known.how,
-                "reference_command": "" if known is None else known.command,
-            })  # fmt: skip
+            source = ("", "", "") if known is None else (known.kind, known.how, known.command)
+            rows.append((name, problem.response, problem.response_unit, problem.n_units, *source))
             for i, family in enumerate(problem.inputs.families):
-                inputs.append({
-                    "problem": name,
-                    "input": problem.inputs.names[i],
-                    "unit": problem.input_units[i],
-                    "role": "shared" if i < problem.inputs.n_shared else "individual",
-                    "distribution": family,
-                    "mean": float(problem.inputs.means[i]),
-                    "std": float(problem.inputs.standard_deviations[i]),
-                })  # fmt: skip
-        self.keep("problems", pd.DataFrame(rows))
-        self.keep("inputs", pd.DataFrame(inputs))
+                role = "shared" if i < problem.inputs.n_shared else "individual"
+                named = problem.inputs.names[i], problem.input_units[i]
+                moments = problem.inputs.means[i], problem.inputs.standard_deviations[i]
+                inputs.append((name, *named, role, family, *moments))
+        columns = ["problem", "response", "response_unit", "units"]
+        columns += ["reference_kind", "reference_how", "reference_command"]
+        self.keep("problems", pd.DataFrame(rows, columns=columns))
+        columns = ["problem", "input", "unit", "role", "distribution", "mean", "std"]
+        self.keep("inputs", pd.DataFrame(inputs, columns=columns))
 
     def compare(
         self,
@@ -142,7 +132,8 @@ class Run:
         frame = frame.assign(**first)[[*first, *own]]
         self.tables[name] = frame
         now = time.perf_counter()
-        entry = {"name": name, "rows": len(frame), "seconds": round(now - self._began, 3)}
+        seconds = round(now - self._began, 3)
+        entry = {"name": name, "rows": len(frame), "seconds": seconds, "date": provenance.now()}
         self.record["tables"].append(entry)
         self._began = now
         if self.out is not None:
@@ -272,7 +263,7 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
     versions = ", ".join(f"{name} {one}" for name, one in run.record["versions"].items())
     page.text(f"`{run.record.get('command', '')}`, {run.record['date']}; {versions}")
     page.table(
-        pd.DataFrame(run.record["tables"], columns=["name", "rows", "seconds"]),
+        pd.DataFrame(run.record["tables"], columns=["name", "rows", "seconds", "date"]),
         "Tables, in results/",
         "Seconds are of the run that made them; kept evaluations take none.",
     )
