@@ -3,9 +3,9 @@
 import signal
 import sys
 
-from uqfold.cli import app
+from uqfold.cli import app, compare
 
-named_problem = app.named_problem
+named_problem = compare.named_problem
 
 
 def with_waiting_methods(name: str) -> object:
@@ -20,5 +20,5 @@ def with_waiting_methods(name: str) -> object:
 if __name__ == "__main__":
     # a program started in the background may have inherited that Ctrl-C is ignored
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    app.named_problem = with_waiting_methods
+    compare.named_problem = with_waiting_methods
     app.main(sys.argv[1:])

@@ -131,7 +131,7 @@ def test_figures_of_an_earlier_comparison_do_not_stay_beside_other_records() -> 
             "choose from 'raise', 'count-as-failure', 'bound'",
         ),
         (["series", "--colour"], "--colour"),
-        ([], "CASE"),
+        ([], "PROBLEM"),
     ],
 )
 def test_bad_arguments_are_refused_and_nothing_is_written(
@@ -169,12 +169,35 @@ def test_methods_lists_name_and_title_of_each(capsys: pytest.CaptureFixture[str]
         assert line.endswith(method.title)
 
 
+def test_problems_lists_name_and_description_of_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("problems") == 0
+    lines = capsys.readouterr().out.splitlines()
+    for line, problem in zip(lines, available_problems().values(), strict=True):
+        assert line.startswith(f"{problem.name}  ")
+        assert line.endswith(problem.description)
+
+
+def test_the_package_knows_no_example_of_the_paper_by_number(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for words in (["problems"], ["compare", "--help"], ["methods"], ["--help"]):
+        assert run(*words) == 0
+        assert not re.search(r"Example \d", capsys.readouterr().out)
+
+
+def test_studies_are_scripts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("study", "run", "example-1", "--quick") == 2
+    assert "python studies/<name>/study.py" in " ".join(capsys.readouterr().err.split())
+
+
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--version") == 0
     assert capsys.readouterr().out == f"uqfold {uqfold.__version__}\n"
 
 
-@pytest.mark.parametrize("words", [["--help"], ["compare", "--help"], ["methods", "--help"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], ["compare", "--help"], ["methods", "--help"], ["problems", "--help"]]
+)
 def test_help_has_examples(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*words) == 0
     out = capsys.readouterr().out

@@ -88,7 +88,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
     def spend(*_: object) -> None:
         raise AssertionError("work was spent")
 
-    monkeypatch.setattr("uqfold.cli.compare.run_comparison", spend)
+    monkeypatch.setattr("uqfold.comparison.run.run_comparison", spend)
     monkeypatch.setattr("uqfold.validation.runner.Validation.run", spend)
     words = {
         "compare": "compare series --method mc",
@@ -105,7 +105,7 @@ def test_a_disk_that_fills_up_on_the_way_is_told_and_the_table_shown(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", "out/comparison.csv")
 
-    monkeypatch.setattr("uqfold.cli.compare.write_records", full)
+    monkeypatch.setattr("uqfold.comparison.records.write_records", full)
     with pytest.raises(SystemExit) as exited:
         main(COMPARE.split())
     assert exited.value.code == 2

@@ -1,80 +1,171 @@
-"""Running a comparison for the command line: save after every method, show, draw."""
+"""The command ``uqfold compare``: save after every method, show, draw."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, cast
 
-import numpy as np
-from rich.console import Console
+import typer
 
-from uqfold.cli.interrupts import Interrupts
-from uqfold.cli.streams import EXIT_USAGE, os_error_text, shown_path
-from uqfold.comparison.plan import ComparisonPlan
-from uqfold.comparison.records import write_records
-from uqfold.comparison.run import run_comparison
-from uqfold.evaluation import EngineError, FailedRunError, Store
-from uqfold.problems.base import Problem
-from uqfold.report.figures import figure_paths, write_figures
-from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
-from uqfold.report.progress_lines import ProgressLines
-from uqfold.report.table import ComparisonTable, noted
+from uqfold.cli.invocation import Invocation, flag, option, usage
+from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE, os_error_text, shown_path
+from uqfold.comparison.named_problems import available_problems, named_problem
+from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
     import pandas as pd
+    from rich.console import Console
 
+    from uqfold.comparison.plan import ComparisonPlan
+    from uqfold.evaluation.session import FailedRunPolicy
+    from uqfold.problems.base import Problem
+
+BATCH_ROWS = 1024
+"""Evaluations in this process between two looks at Ctrl-C; has no influence on any number."""
 PIPED_WIDTH = 120
 COMPILING = "compiling the model (on first use only, 10 to 20 s) ..."
 
-EXIT_FAILED = 1
-EXIT_INTERRUPTED = 130
+
+def problem_lines() -> list[str]:
+    """Return name and description of every named problem."""
+    problems = available_problems()
+    width = max(map(len, problems))
+    return [f"{one.name:<{width}}  {one.description}" for one in problems.values()]
+
+
+_LISTED = "\n".join(f"  {line}" for line in problem_lines())
+COMPARE_HELP = f"""Compare reliability methods on one problem.
+
+Runs every method on the same grid of criteria, prints one table, and writes records (CSV, JSON)
+and figures (PNG, SVG).
+
+\b
+Problems:
+{_LISTED}
+  FILE.py:FUNCTION             a problem of your own: what the function in the file returns
+
+\b
+Examples:
+  uqfold compare folding-wing
+  uqfold compare series --method ffni-spa --method mc --threshold 2 --threshold 4
+  uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04 --missions 1,5
+  uqfold compare folding-wing --missions 10:0.7 --max-evals 5000 --seed 7 --out results
+  uqfold compare folding-wing --method mc --max-evals 8000000 --store wing.db
+"""
+
+Words = list[str] | None
+
+
+def compare_methods(
+    context: typer.Context,
+    problem: Annotated[
+        str, typer.Argument(metavar="PROBLEM", help="A name from above, or FILE.py:FUNCTION.")
+    ],
+    *,
+    method: Annotated[
+        Words, option("NAME", "Method to run; may be repeated. Default: all.")
+    ] = None,
+    threshold: Annotated[
+        Words, option("T", "Response threshold; may be repeated, or T,T,...")
+    ] = None,
+    tau: Annotated[
+        Words, option("TAU", "Synchronization threshold, or none; may be repeated.")
+    ] = None,
+    missions: Annotated[
+        Words,
+        option("M", "Number of missions, or PLANNED:P for a binomial number; may be repeated."),
+    ] = None,
+    max_evals: Annotated[
+        int | None, option("N", "Most evaluations per method. Default: suits the problem.")
+    ] = None,
+    seed: Annotated[int, option("N", "Seed of every method.")] = 0,
+    out: Annotated[
+        Path | None, option("DIR", "Where to write. Default: uqfold-results/PROBLEM.")
+    ] = None,
+    no_figures: Annotated[bool, flag("--no-figures", "Draw no figures.")] = False,
+    quiet: Annotated[
+        bool, flag("--quiet", "Print nothing but errors; the files are written.")
+    ] = False,
+    failed_runs: Annotated[
+        str, option("POLICY", "What a failed run means: bound, count-as-failure or raise.")
+    ] = "bound",
+    store: Annotated[
+        Path | None,
+        option("FILE", "Keep evaluations in this file and reuse them; resumes what was killed."),
+    ] = None,
+    cluster: Annotated[
+        str | None, option("ADDRESS", "Run the model on a Dask cluster, as in tcp://...")
+    ] = None,
+    max_seconds: Annotated[
+        float | None, option("S", "Wall-clock limit of each method. Default: none.")
+    ] = None,
+    progress: Annotated[
+        str, option("KIND", "bar (on terminals only), or json: lines on the standard error.")
+    ] = "bar",
+) -> None:
+    """Compare methods on a problem."""
+    chosen = usage(named_problem, problem)
+    asked = chosen.problem()
+
+    from uqfold.cli.words import chosen_criteria, chosen_word, listed
+    from uqfold.comparison.plan import plan_comparison
+    from uqfold.evaluation import Dask, Evaluator
+    from uqfold.problems.criterion import Criteria
+
+    def plan() -> ComparisonPlan:
+        return plan_comparison(
+            asked,
+            None if method is None else listed(method),
+            chosen_criteria(Criteria(asked.default_criteria or ()), threshold, tau, missions),
+            max_evals=chosen.max_evals if max_evals is None else max_evals,
+            rng=seed,
+            evaluator=Evaluator(
+                # the evaluator itself refuses other policies
+                failed_runs=cast("FailedRunPolicy", failed_runs),
+                batch_rows=BATCH_ROWS if cluster is None else None,
+                store=store,
+                executor=None if cluster is None else Dask(cluster),
+                max_seconds=max_seconds,
+            ),
+        )
+
+    lines = usage(chosen_word, progress, "progress", ("bar", "json")) == "json"
+    planned = usage(plan)
+    folder = Path("uqfold-results", chosen.name) if out is None else out
+    try:
+        check_writable(folder)
+    except OSError as error:
+        raise typer.BadParameter(f"--out {os_error_text(error)}") from error
+    session = ComparisonSession(planned, folder, context.obj, not no_figures, quiet, lines)
+    raise typer.Exit(session.run())
 
 
 @dataclass
 class ComparisonSession:
-    """One comparison started from the command line.
-
-    Attributes
-    ----------
-    plan
-        What to run.
-    command
-        The command as it goes into the records.
-    folder
-        Where records and figures go.
-    interrupts
-        Tells whether Ctrl-C was pressed.
-    figures
-        Whether to draw figures.
-    quiet
-        Whether to print nothing but errors.
-    progress_lines
-        Whether to write progress as lines of JSON instead of a bar.
-    resume
-        The words that start this comparison again, for whoever interrupted it.
-    """
+    """One comparison under way: a plan, where its files go, and how much is told of it."""
 
     plan: ComparisonPlan
-    command: str
     folder: Path
-    interrupts: Interrupts
-    figures: bool = True
-    quiet: bool = False
-    progress_lines: bool = False
-    resume: str = ""
-    frame: pd.DataFrame | None = field(default=None, init=False)
-    _written: list[Path] = field(default_factory=list, init=False)
+    invocation: Invocation
+    figures: bool
+    quiet: bool
+    progress_lines: bool
+    frame: pd.DataFrame | None = None
+    written: list[Path] = field(default_factory=list)
 
     def run(self) -> int:
-        """Run all methods and report; give the exit code of the program.
+        """Run all methods and report; return the exit code of the program.
 
         Every finished method is saved at once. An interruption ends the run, but the methods that
         finished are kept and shown.
         """
+        from uqfold.evaluation import EngineError, FailedRunError
+
         code = 0
         try:
             self._run_methods()
@@ -96,7 +187,13 @@ class ComparisonSession:
         return code
 
     def _run_methods(self) -> None:
-        """Run the methods one by one, and save each as soon as it has finished."""
+        from rich.console import Console
+
+        from uqfold.comparison.run import run_comparison
+        from uqfold.provenance import shown_command
+        from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
+        from uqfold.report.progress_lines import ProgressLines
+
         terminal = Console(stderr=True, quiet=self.quiet)
         with notice_if_slow(COMPILING, terminal):
             run_once(self.plan.problem)
@@ -107,37 +204,47 @@ class ComparisonSession:
             else ComparisonProgressBar(labels, terminal)
         ) as bar:
             plan = replace(self.plan, evaluator=replace(self.plan.evaluator, watch=bar.watch))
+            check = self.invocation.interrupts.check
 
             def progress(label: str, n_evals: int, expected: int | None) -> None:
-                self.interrupts.check()
+                check()
                 bar(label, n_evals, expected)
 
-            for frame in run_comparison(plan, progress, self.command):
+            command = shown_command(["uqfold", *self.invocation.words])
+            for frame in run_comparison(plan, progress, command):
                 # what was interrupted may look finished where a library swallowed the interruption
-                self.interrupts.check()
+                check()
                 self._save(frame)
 
     def _save(self, frame: pd.DataFrame) -> None:
+        from uqfold.comparison.records import write_records
+        from uqfold.report.figures import figure_paths
+
         if self.frame is None:
             # figures of an earlier comparison would not belong to these records
             for path in figure_paths(self.folder):
                 path.unlink(missing_ok=True)
         self.frame = frame
-        self._written = list(write_records(frame, self.folder))
+        self.written = list(write_records(frame, self.folder))
 
     def _report(self, frame: pd.DataFrame) -> None:
+        from uqfold.report.figures import write_figures
+        from uqfold.report.table import ComparisonTable, noted
+
         out = stdout_console(quiet=self.quiet)
         try:
             out.print(ComparisonTable(frame))
         finally:
             # the files are written whether or not anybody can read the table
             if self.figures:
-                self._written += write_figures(frame, self.folder)
-        names = ", ".join(path.name for path in self._written)
+                self.written += write_figures(frame, self.folder)
+        names = ", ".join(path.name for path in self.written)
         out.print()
         out.print(noted({f"written to {shown_path(self.folder)}: ": names}))
 
     def _say_interrupted(self) -> None:
+        from uqfold.evaluation import Store
+
         finished = [] if self.frame is None else list(dict.fromkeys(self.frame["label"]))
         said = "interrupted before any method finished; nothing was written"
         if finished:
@@ -147,13 +254,13 @@ class ComparisonSession:
         say(said)
         store = self.plan.evaluator.store
         if isinstance(store, Store):
-            kept = f"{len(store):,} model runs are kept in {shown_path(store.path)}"
-            say(f"{kept}; to go on from there: {self.resume}")
+            kept = f"{len(store):,} evaluations are kept in {shown_path(store.path)}"
+            say(f"{kept}; to go on from there: {shlex.join(['uqfold', *self.invocation.words])}")
 
 
 def say(text: str) -> None:
     """Say something on the standard error, also when quiet, in one line."""
-    Console(stderr=True).print(text, markup=False, highlight=False, soft_wrap=True)
+    print(text, file=sys.stderr, flush=True)
 
 
 def run_once(problem: Problem) -> None:
@@ -162,12 +269,16 @@ def run_once(problem: Problem) -> None:
     Otherwise the first method would be charged with the compilation. What the model has against
     these inputs is for the methods to find out.
     """
+    import numpy as np
+
     with contextlib.suppress(Exception, SystemExit):
         x = problem.inputs.from_standard_normal(np.zeros((1, problem.inputs.dimension)))
         problem.model(x)
 
 
 def stdout_console(*, quiet: bool) -> Console:
-    """Give the console of the standard output; into a pipe or file the table is set wide."""
+    """Return the console of the standard output; into a pipe or file the table is set wide."""
+    from rich.console import Console
+
     piped = not sys.stdout.isatty() and "COLUMNS" not in os.environ
     return Console(width=PIPED_WIDTH if piped else None, quiet=quiet)

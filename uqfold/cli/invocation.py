@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import typer
 
@@ -21,6 +21,16 @@ class Invocation:
 
     words: Sequence[str]
     interrupts: Interrupts
+
+
+def option(metavar: str, text: str) -> Any:
+    """Return an option that takes a value."""
+    return typer.Option(metavar=metavar, help=text)
+
+
+def flag(name: str, text: str) -> Any:
+    """Return an option that is given or not."""
+    return typer.Option(name, help=text)
 
 
 def usage(check: Callable[..., Value], *arguments: object) -> Value:

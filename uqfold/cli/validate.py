@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uqfold.cli.invocation import Invocation, usage
+from uqfold.cli.invocation import Invocation, flag, option, usage
 
 if TYPE_CHECKING:
     from uqfold.validation.case import Tier
@@ -47,46 +46,28 @@ def validate_cases(
         typer.Argument(metavar="CASE", help="Cases to measure. Default: all."),
     ] = None,
     *,
-    quick: Annotated[bool, typer.Option("--quick", help="Small sizes.")] = False,
-    full: Annotated[bool, typer.Option("--full", help="Full sizes; resumes.")] = False,
+    quick: Annotated[bool, flag("--quick", "Small sizes.")] = False,
+    full: Annotated[bool, flag("--full", "Full sizes; resumes.")] = False,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Where to write. Default: uqfold-results/validation[-TIER]."
-        ),
+        Path | None, option("DIR", "Where to write. Default: uqfold-results/validation[-TIER].")
     ] = None,
     faults: Annotated[
         bool | None,
-        typer.Option(
-            "--faults/--no-faults",
-            help="Plant the cases' faults, each of which has to be noticed. Default: yes, except "
-            "with --quick without --update.",
-        ),
+        flag("--faults/--no-faults", "Plant the faults. Default: not if only --quick is given."),
     ] = None,
     update: Annotated[
         bool,
-        typer.Option(
-            "--update",
-            help="Replace the records kept beside the cases, whose verdicts become the kept ones.",
-        ),
+        flag("--update", "Replace the kept records: these verdicts become the kept ones."),
     ] = False,
     stale: Annotated[
-        bool,
-        typer.Option(
-            "--stale",
-            help="Only cases whose kept record is missing, or was measured with other code.",
-        ),
+        bool, flag("--stale", "Only cases whose kept record is missing or of other code.")
     ] = False,
     check: Annotated[
-        bool,
-        typer.Option(
-            "--check", help="Measure nothing: do cases, kept records, code and report agree?"
-        ),
+        bool, flag("--check", "Measure nothing: do cases, kept records, code and report agree?")
     ] = False,
-    show: Annotated[bool, typer.Option("--list", help="Measure nothing: list the cases.")] = False,
+    show: Annotated[bool, flag("--list", "Measure nothing: list the cases.")] = False,
     cases: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Folder of the cases. Default: validation."),
+        Path | None, option("DIR", "Folder of the cases. Default: validation.")
     ] = None,
 ) -> None:
     """Measure validation cases."""
@@ -111,14 +92,8 @@ def validate_cases(
         if not found:
             return
     name = "validation" if tier == "default" else f"validation-{tier}"
+    folder = Path("uqfold-results", name) if out is None else out
+    planted = update or not quick if faults is None else faults
     invocation: Invocation = context.obj
-    measuring = session.ValidationSession(
-        found,
-        tier,
-        Path("uqfold-results", name) if out is None else out,
-        invocation.interrupts,
-        faults=update or not quick if faults is None else faults,
-        update=update,
-        resume=shlex.join(["uqfold", *invocation.words]),
-    )
+    measuring = session.ValidationSession(found, tier, folder, invocation, planted, update)
     raise typer.Exit(measuring.run())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 import uqfold
-from uqfold.cli.compare import EXIT_FAILED, EXIT_INTERRUPTED, stdout_console
-from uqfold.cli.interrupts import Interrupts
-from uqfold.cli.streams import shown_path
+from uqfold.cli.compare import say, stdout_console
+from uqfold.cli.invocation import Invocation
+from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report
 from uqfold.report.validation_page import validation_page
@@ -32,33 +32,14 @@ EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
 @dataclass
 class ValidationSession:
-    """Cases measured from the command line.
-
-    Attributes
-    ----------
-    cases
-        What to measure.
-    tier
-        How thoroughly.
-    folder
-        Where records go.
-    interrupts
-        Tells whether Ctrl-C was pressed.
-    faults
-        Whether to plant the cases' faults.
-    update
-        Whether to replace the records that are kept beside the cases.
-    resume
-        The words that go on with this run, for whoever interrupted it.
-    """
+    """Cases under way: how thoroughly, where records go, and whether faults are planted."""
 
     cases: Sequence[Case]
     tier: Tier
     folder: Path
-    interrupts: Interrupts
+    invocation: Invocation
     faults: bool = False
     update: bool = False
-    resume: str = ""
     records: list[CaseRecord] = field(default_factory=list, init=False)
     changes: dict[str, Changes] = field(default_factory=dict, init=False)
 
@@ -69,8 +50,9 @@ class ValidationSession:
         try:
             self._measure()
         except KeyboardInterrupt:
+            resume = shlex.join(["uqfold", *self.invocation.words])
             done = f"{len(self.records)} of {len(self.cases)} cases are finished and kept"
-            say(f"interrupted: {done}; to go on: {self.resume}")
+            say(f"interrupted: {done}; to go on: {resume}")
             interrupted = True
         if self.records:
             self._report()
@@ -87,19 +69,19 @@ class ValidationSession:
         with ComparisonProgressBar(names, Console(stderr=True), unit="parts") as bar:
 
             def progress(name: str, done: int, total: int | None) -> None:
-                self.interrupts.check()
+                self.invocation.interrupts.check()
                 bar(name, done, total)
 
             validation = Validation(self.tier, self.folder, self.faults, progress)
             left = {case.name: case for case in self.cases}
             several = for_workers(self.cases, self.tier)
-            for case, record in side_by_side(validation, several, self.interrupts.check):
+            for case, record in side_by_side(validation, several, self.invocation.interrupts.check):
                 bar(case.name, 0, None)
                 self._keep(left.pop(case.name), record)
             for case in left.values():
                 record = validation.run(case)
                 # what was interrupted may look finished where a library swallowed it
-                self.interrupts.check()
+                self.invocation.interrupts.check()
                 self._keep(case, record)
 
     def _keep(self, case: Case, record: CaseRecord) -> None:
@@ -167,8 +149,3 @@ def check_cases(cases: Sequence[Case]) -> int:
     if not wrong:
         say(f"{len(cases)} cases: records, code and claims belong together")
     return EXIT_FAILED if wrong else 0
-
-
-def say(text: str) -> None:
-    """Print a line on the standard error."""
-    print(text, file=sys.stderr, flush=True)
