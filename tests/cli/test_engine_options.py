@@ -114,7 +114,7 @@ def test_ctrl_c_keeps_the_store_and_says_how_to_go_on(tmp_path: Path) -> None:
     said = err.splitlines()[-2:]
     assert said[0] == "interrupted before any method finished; nothing was written"
     kept, _, command = said[1].partition("; to go on from there: ")
-    assert kept.endswith(" model runs are kept in my runs.db")
+    assert kept.endswith(" evaluations are kept in my runs.db")
     assert int(kept.split()[0].replace(",", "")) > 100_000
     command_words = " ".join(words[:-1])
     assert command == f"uqfold {command_words} '{words[-1]}' --progress json"
