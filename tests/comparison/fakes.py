@@ -4,13 +4,12 @@ import math
 import time
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
 from uqfold.comparison import plan_comparison, run_comparison
-from uqfold.comparison.entries import Records, records_from_frame
 from uqfold.methods import Estimate, ReliabilityMethod, Solution, Task
 from uqfold.methods.theory import Equation, Theory
 from uqfold.problems import Problem
@@ -203,8 +202,3 @@ def toy_frame(
     plan = plan_comparison(problem, METHODS if methods is None else methods, max_evals=5000)
     *_, frame = run_comparison(plan, command=command)
     return frame
-
-
-def toy_records(*given: Any, **named: Any) -> Records:
-    """Return the records of a finished comparison of the fakes."""
-    return records_from_frame(toy_frame(*given, **named))

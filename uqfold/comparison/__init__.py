@@ -8,6 +8,7 @@ __getattr__, __dir__, __all__ = attach_stub(
     moved={
         "Case": "uqfold.comparison.NamedProblem",
         "available_cases": "uqfold.comparison.available_problems",
+        "records_from_frame": "uqfold.comparison.checked_frame",
         "named_case": "uqfold.comparison.named_problem",
     },
 )

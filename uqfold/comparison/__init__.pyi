@@ -1,5 +1,4 @@
 from uqfold.comparison.benchmark import benchmark_summary as benchmark_summary
-from uqfold.comparison.entries import Records as Records, records_from_frame as records_from_frame
 from uqfold.comparison.frames import (
     checked_frame as checked_frame,
     comparison_header as comparison_header,

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
-from uqfold.comparison import entries
 from uqfold.comparison.columns import COLUMNS, rows_of, rows_to_frame
 from uqfold.comparison.csv_cells import csv_text
 from uqfold.comparison.encoding import decoded, encoded, parsed_json
@@ -31,7 +30,6 @@ EARLIER = "uqfold-comparison/2"
 """As `SCHEMA`, without ``source`` and ``finished``."""
 JSON_NAME = "comparison.json"
 CSV_NAME = "comparison.csv"
-Records = entries.Records  # until reports take frames
 
 
 class RecordsError(ValueError):
