@@ -14,6 +14,8 @@ from uqfold.evaluation.external import ExternalCode as ExternalCode
 from uqfold.evaluation.outputs import Column as Column, Regex as Regex
 from uqfold.evaluation.processes import Processes as Processes
 from uqfold.evaluation.row_model import per_sample as per_sample
-from uqfold.evaluation.running import RunningEstimate as RunningEstimate
-from uqfold.evaluation.session import EvaluationSession as EvaluationSession
+from uqfold.evaluation.session import (
+    EvaluationSession as EvaluationSession,
+    RunningEstimate as RunningEstimate,
+)
 from uqfold.evaluation.store import Store as Store

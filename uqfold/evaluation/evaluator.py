@@ -16,8 +16,12 @@ from uqfold.evaluation.executors import Executor, Futures, InProcess
 from uqfold.evaluation.identity import model_identity
 from uqfold.evaluation.pipeline import Pipeline
 from uqfold.evaluation.row_model import RowModel
-from uqfold.evaluation.running import RunningEstimate
-from uqfold.evaluation.session import EvaluationSession, FailedRunPolicy, ProgressCallback
+from uqfold.evaluation.session import (
+    EvaluationSession,
+    FailedRunPolicy,
+    ProgressCallback,
+    RunningEstimate,
+)
 from uqfold.evaluation.shelf import SMALL_CALL, Shelf
 from uqfold.evaluation.store import Store
 from uqfold.problems.base import Problem

@@ -20,11 +20,28 @@ from uqfold.evaluation.batch import GIVE_UP_AFTER
 from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
 from uqfold.evaluation.pipeline import Batch, Pipeline
-from uqfold.evaluation.running import RunningEstimate
 from uqfold.typing import FloatArray
 
 FailedRunPolicy = Literal["raise", "count-as-failure", "bound"]
 ProgressCallback = Callable[[int, int | None], None]
+
+
+@dataclass(frozen=True)
+class RunningEstimate:
+    """Where an estimate stands, for the progress display.
+
+    Attributes
+    ----------
+    criterion
+        The criterion as text.
+    pf, ci_low, ci_high
+        Failure probability so far, and its interval.
+    """
+
+    criterion: str
+    pf: float
+    ci_low: float
+    ci_high: float
 
 
 @dataclass(eq=False)
