@@ -37,6 +37,10 @@ def test_fits_the_width_with_one_line_per_row(frame: pd.DataFrame, width: int) -
         assert len(rows) == len(GRID) + 1
 
 
+def test_lines_end_where_their_text_does(frame: pd.DataFrame) -> None:
+    assert not [line for line in printed(frame, 120).splitlines() if line != line.rstrip()]
+
+
 def test_no_colour_and_no_boxes_unless_on_a_terminal(frame: pd.DataFrame) -> None:
     plain = printed(frame, 100)
     assert not ANSI.search(plain)

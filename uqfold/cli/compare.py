@@ -240,7 +240,8 @@ class ComparisonSession:
                 self.written += write_figures(frame, self.folder)
         names = ", ".join(path.name for path in self.written)
         out.print()
-        out.print(noted({f"written to {shown_path(self.folder)}: ": names}))
+        for line in noted({f"written to {shown_path(self.folder)}: ": names}, out.width):
+            out.print(line, highlight=False)
 
     def _say_interrupted(self) -> None:
         from uqfold.evaluation import Store

@@ -8,6 +8,7 @@ stands below the table, not in a cell.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
@@ -89,26 +90,25 @@ class ComparisonTable:
         yield ""
         yield from _lines(_methods(header, rows, console, options), console, options)
         yield ""
-        yield _legend(header, rows)
+        yield from noted(_legend(header, rows), options.max_width, "dim")
         if notes:
             yield ""
-            yield noted({
+            said = {
                 f"{f'[{number}]':>6} ": said if said.startswith(label) else f"{label}: {said}"
                 for (label, said), number in notes.items()
-            })  # fmt: skip
+            }
+            yield from noted(said, options.max_width)
 
 
-def noted(notes: Mapping[str, str], style: str = "") -> Table:
+def noted(notes: Mapping[str, str], width: int, style: str = "") -> Iterator[Text]:
     """Return texts behind prefixes, wrapped with further lines flush with the first."""
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table.grid()
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold")
     for prefix, text in notes.items():
-        table.add_row(Text(prefix, style), Text(text, style))
-    return table
+        lines = textwrap.wrap(text, max(width - len(prefix), 20), break_on_hyphens=False) or [""]
+        for i, line in enumerate(lines):
+            before = " " * len(prefix) if i else prefix
+            yield Text(f"{before}{line}".rstrip(), style, overflow="fold")
 
 
 def _title(header: Mapping[str, Any]) -> str:
@@ -241,7 +241,7 @@ def _methods(
     return table
 
 
-def _legend(header: Mapping[str, Any], rows: Sequence[Row]) -> Table:
+def _legend(header: Mapping[str, Any], rows: Sequence[Row]) -> dict[str, str]:
     said = {}
     if intervals := dict.fromkeys(row["ci_kind"] for row in rows if row["ci_kind"]):
         said["interval"] = ", ".join(intervals)
@@ -255,4 +255,4 @@ def _legend(header: Mapping[str, Any], rows: Sequence[Row]) -> Table:
         said["~"] = "below two standard errors of the reference, which cannot judge it"
     if header["reference"] is not None and header["reference"]["how"]:
         said["reference"] = header["reference"]["how"]
-    return noted({f"  {word:<11}": meaning for word, meaning in said.items()}, "dim")
+    return {f"  {word:<11}": meaning for word, meaning in said.items()}

@@ -19,7 +19,7 @@ _DARKEST, _LIGHTEST = 0.1, 0.92
 
 
 def readable(color: str, paper: str) -> str:
-    """Give a colour, darkened or lightened until its contrast with the paper is large enough.
+    """Return a colour, darkened or lightened until its contrast with the paper is large enough.
 
     Raises
     ------
@@ -49,9 +49,11 @@ def by_night(color: str) -> str:
         return DARK_PAPER
     hue, lightness, saturation = rgb_to_hls(*_channels(color))
     turned = _DARKEST + (_LIGHTEST - _DARKEST) * (1.0 - lightness)
-    # full colours glow on dark paper
-    night = _written(hls_to_rgb(hue, turned, _CALM * saturation))
     pale = contrast(_channels(color), _channels(LIGHT_PAPER)) < _PALE
+    if not pale:
+        # what is light already stays so, and full colours would glow
+        turned, saturation = max(turned, lightness), _CALM * saturation
+    night = _written(hls_to_rgb(hue, turned, saturation))
     return night if pale else readable(night, DARK_PAPER)
 
 
