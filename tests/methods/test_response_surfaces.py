@@ -266,3 +266,23 @@ def test_responses_that_are_all_equal_say_nothing_of_another_one(method: Reliabi
         assert "all runs gave the same response" in row.message
         assert np.isnan(row.std_error)
         assert np.isnan(row.ci_high)
+
+
+@pytest.mark.parametrize("method", SURFACES, ids=ids)
+@pytest.mark.parametrize(
+    ("margin", "d", "pf"),
+    [
+        # closed forms: chi-square, and quadrature over the sharp variable
+        (lambda x: 31.827_628_001_262_32 - (x**2).sum(axis=1), 8, 1e-4),
+        (lambda x: 2.5 - x[:, 1] + 100.0 * x[:, 0] ** 4, 2, 1.068_661_487e-3),
+    ],
+    ids=["all around in eight inputs", "a sharp feature"],
+)
+def test_integration_over_a_right_surface_errs_by_no_more_than_stated(
+    method: ReliabilityMethod, margin, d: int, pf: float
+) -> None:
+    problem = Problem.from_limit_state(margin, {f"x{i}": normal(0.0, 1.0) for i in range(d)})
+    row = method.estimate(problem, rng=1)[0]
+    assert row.status == "converged"
+    assert abs(row.pf - pf) <= 3.0 * row.std_error
+    assert row.pf == pytest.approx(pf, rel=5e-3)

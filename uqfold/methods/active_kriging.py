@@ -25,17 +25,18 @@ from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.response_surface import surface_estimates
+from uqfold.methods.response_surface import Rival, surface_estimates
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import space_filling_design
-from uqfold.surrogates.gaussian_process import GaussianProcess
+from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.kernel_choice import KernelFits
 from uqfold.surrogates.kernels import Kernel
 from uqfold.surrogates.learning import LearningFunction
+from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.system.surface_rule import MAX_POINTS
 from uqfold.typing import FloatArray, IntArray
 
@@ -235,6 +236,7 @@ class ActiveKriging(SequentialMethod):
         estimates = surface_estimates(
             task, surface, runs, rng,
             noise=surface.noise_std,
+            rivals=_rivals(task, surface, checks),
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
             beta_std=max(1.0, *trust) * view.question.for_all(view.beta_std),
             stated_noise=self.noise,
@@ -261,6 +263,30 @@ class ActiveKriging(SequentialMethod):
         # fewer candidates than wanted leave room for exploration
         known = np.concatenate([runs.u, chosen])
         return np.concatenate([chosen, unvisited(view, known, size - chosen.shape[0], rng)])
+
+
+def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> list[Rival]:
+    """Fit another surface to the same runs, with the trend of a sparse polynomial expansion.
+
+    What the runs leave open shows where the two disagree, also where the process trusts itself.
+    A rival counts the less, the worse it foretells the runs of the last check.
+    """
+    try:
+        trend = fit_polynomial_chaos(surface.u, surface.y).indices
+        other = fit_gaussian_process(
+            surface.u, surface.y, noise=surface.noise_std, trend=trend, rng=task.generator(2)
+        )
+    except TimeLimitError:
+        return []
+    rival = Rival.by_prediction(surface, other)
+    if not checks:
+        return [rival]
+    last = checks[-1]
+    seen = np.isfinite(last.residuals)
+    answers = surface.mean(last.u[seen]) + last.residuals[seen]
+    own = float(np.abs(last.residuals[seen]).mean())
+    others = float(np.abs(answers - other.mean(last.u[seen])).mean())
+    return [replace(rival, share=min(rival.share, own / others if others > own else 1.0))]
 
 
 def _doubts(criterion: Criterion, surface: GaussianProcess) -> list[str]:

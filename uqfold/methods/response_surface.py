@@ -34,10 +34,8 @@ CI_KIND = "95 % surrogate"
 _DRAWS = 20
 _T95 = 2.093
 """Student's quantile for a spread estimated from 20 draws."""
-_INTEGRATION_ERROR = 1e-4
-"""Error of the integration over the surface, in the reliability index."""
 _POOR_PREDICTION = 0.1
-_WIDE = 0.3
+_WIDE = 0.1
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
 
@@ -113,9 +111,9 @@ def surface_estimates(
     max_points
         Most points at which the surface is evaluated for an answer.
     beta_std
-        Standard deviations (n_criteria,) of the reliability indices, from a caller who judges
-        the surface himself; None: from surfaces drawn from the posterior, and the surface is
-        judged by cross-validation.
+        Standard deviations (n_criteria,) of the reliability indices that the stated ones may not
+        fall below, from a caller who judges the surface himself; None: the surface is judged by
+        cross-validation.
     stated_noise
         The noise that the settings state; None where it is learned.
     """
@@ -158,17 +156,15 @@ def _answered(
     responses = system.responses(surface.mean, outcomes, noise)
     # units differ by what the surface makes of their own inputs: is that more than its error?
     blur = validated.rms
-    if system.together or _scatter(responses, system.rule.weights) > _CLEAR * blur:
+    if system.together or _scatter(responses.whole, system.rule.weights) > _CLEAR * blur:
         blur = 0.0
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
-    own_spread = beta_std
-    if own_spread is None:
-        paths = surface.sample_paths(rng, _DRAWS)
+    paths = surface.sample_paths(rng, _DRAWS)
 
-        def others(u: FloatArray) -> FloatArray:
-            return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
+    def others(u: FloatArray) -> FloatArray:
+        return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
 
-        drawn = system.coarse_responses(surface.mean, others, outcomes, noise)
+    drawn = system.coarse_responses(surface.mean, others, outcomes, noise)
     shares = np.array([rival.share for rival in rivals])
 
     def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
@@ -183,11 +179,14 @@ def _answered(
     def answers(rows: Sequence[int]) -> list[Estimate]:
         criteria = [task.criteria[row] for row in rows]
         found = system.failures_given(responses, criteria)
-        spread = spread_of(criteria) if own_spread is None else own_spread[list(rows)]
+        spread = spread_of(criteria)
+        if beta_std is not None:
+            spread = np.maximum(spread, beta_std[list(rows)])
         own = [
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
+        spread = np.hypot(spread, system.integration_errors(responses, criteria))
         return _estimates(found, spread, own, runs)
 
     return estimates_by_blocks(len(task.criteria), answers)
@@ -202,7 +201,6 @@ def _estimates(
     from scipy.special import ndtr
 
     beta = reliability_indices(found)
-    spread = np.hypot(spread, _INTEGRATION_ERROR)
     std_error = np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi) * spread
     low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
     numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
@@ -279,5 +277,5 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
         )
     if not system.rule.resolved:
-        doubts.append("the surface changes in too many directions to be integrated accurately")
+        doubts.append("the surface changes too abruptly to be integrated accurately")
     return doubts

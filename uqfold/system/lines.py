@@ -9,7 +9,7 @@ and whether failure lies at one end of the line, at both, or in between.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 
@@ -30,7 +30,7 @@ FINITE, NEVER, ALWAYS, MISSING = 0, 1, 2, 3
 
 Distribution = TabulatedDistribution | AtomicDistribution | NormalDistribution
 
-_REFINED = 8
+_REFINED = 16
 # Scores at which tables aim; beyond 8, fewer than 1e-15 of all responses lie.
 _TARGETS, _FEW_TARGETS = np.linspace(-8.0, 8.0, 97), np.linspace(-8.0, 8.0, 33)
 _SMALLEST_STEP = 1e-7
@@ -49,15 +49,38 @@ class LineRule:
     weights
         Probability (lines,) that each line stands for.
     stations
-        Positions (stations,) along every line, equally spaced from -REACH to REACH.
+        Positions (stations,) along every line, equally spaced from -REACH to REACH, or from 0 to
+        `radial_reach` along rays.
     short
         Whether tables of a third of the usual length will do.
+    asked
+        Thresholds (T,) that tables hold exactly, without interpolation.
+    radial
+        Number of variables if these are rays from the origin, along which the radius has the chi
+        distribution; 0 for lines.
+    sampled
+        Whether lines were drawn at random, with weights whose expected sum is 1.
     """
 
     points: FloatArray
     weights: FloatArray
     stations: FloatArray
     short: bool = False
+    asked: FloatArray = field(default_factory=lambda: np.empty(0))
+    radial: int = 0
+    sampled: bool = False
+
+    def every(self, step: int, first: int) -> LineRule:
+        """The rule of every step-th line alone, from the first on; for lines drawn at random."""
+        some = slice(first, None, step)
+        d = self.points.shape[1]
+        points = self.points.reshape(self.weights.size, self.stations.size, d)[some]
+        share = self.weights.size / points.shape[0]
+        return replace(self, points=points.reshape(-1, d), weights=share * self.weights[some])
+
+    def _mass(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Probability of a part of a line."""
+        return radial_mass(self.radial, low, high) if self.radial else _mass(low, high)
 
     def response(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
@@ -83,13 +106,15 @@ class LineRule:
         table = values.reshape(self.weights.size, self.stations.size)
         if not np.isfinite(table).all():
             raise ValueError("a response surface gave values that are not finite")
-        fine, upsample = _refinement(self.stations.size)
+        unit, upsample = _refinement(self.stations.size)
+        fine = self.stations[0] + (self.stations[-1] - self.stations[0]) * unit
         usable, masses = None, np.zeros(4)
         if outcomes is not None and outcomes.any():
             nearest = (np.arange(fine.size) + _REFINED // 2) // _REFINED
             kinds = outcomes.reshape(table.shape)[:, nearest]
-            cells = _mass(*_cells(fine))
-            masses = np.array([self.weights @ (kinds == kind) @ cells for kind in range(4)])
+            cells = self._mass(*_cells(fine))
+            weights = self.weights / self.weights.sum()
+            masses = np.array([weights @ (kinds == kind) @ cells for kind in range(4)])
             usable = kinds == FINITE
             if not usable.any():
                 return _without_distribution(masses)
@@ -111,25 +136,49 @@ class LineRule:
         curves = table @ upsample.T
         runs = _Runs.of(curves, fine, levels, 1e-13 * (high - low), usable)
         start, end = runs.ends.T[:, :, None]
-        left, right = _mass(start, runs.crossings), _mass(runs.crossings, end)
-        rising, weight = runs.rising[:, None], self.weights[runs.line]
-        below = weight @ np.where(rising, left, right)
-        above = weight @ np.where(rising, right, left)
+        left, right = self._mass(start, runs.crossings), self._mass(runs.crossings, end)
+        rising = runs.rising[:, None]
+        below = self._mean(runs.line, np.where(rising, left, right))
+        above = self._mean(runs.line, np.where(rising, right, left))
         return _tabulated(levels, below, above)
+
+    def _mean(self, line: IntArray, masses: FloatArray) -> FloatArray:
+        """Mean over all lines (L,) of masses (M, L) on their pieces."""
+        if not self.sampled:
+            return np.asarray(self.weights[line] @ masses)
+        count = self.weights.size
+        weight = count * self.weights
+        parts = np.zeros((count, masses.shape[1]))
+        np.add.at(parts, line, weight[line, None] * masses)
+        # the mean weight is known to be 1: a control variate
+        off = weight - weight.mean()
+        square = float(off @ off)
+        slope = off @ parts / square if square > 0.0 else 0.0
+        corrected = parts.mean(axis=0) - slope * (weight.mean() - 1.0)
+        return np.asarray(np.maximum(corrected, 0.0))
 
     def _levels(self, table: FloatArray) -> FloatArray:
         """Levels that lie about evenly in normal score, from the values at the points alone."""
         from scipy.special import ndtri
 
-        density = np.exp(-0.5 * self.stations**2)
-        mass = np.outer(self.weights, density / density.sum()).ravel()
+        density = self._mass(*_cells(self.stations))
+        mass = np.outer(self.weights / self.weights.sum(), density / density.sum()).ravel()
         order = np.argsort(table, axis=None)
         value, mass = table.ravel()[order], mass[order]
         below = np.cumsum(mass) - 0.5 * mass
         above = np.cumsum(mass[::-1])[::-1] - 0.5 * mass
         score = np.where(below < above, ndtri(below), -ndtri(np.maximum(above, 1e-300)))
         targets = _FEW_TARGETS if self.short else _TARGETS
-        return np.unique(np.interp(targets, np.maximum.accumulate(score), value))
+        spread = np.interp(targets, np.maximum.accumulate(score), value)
+        asked = self.asked[(self.asked > spread[0]) & (self.asked < spread[-1])]
+        levels = np.concatenate([asked, spread])
+        order = np.argsort(levels, kind="stable")
+        # of levels that nearly coincide one is enough, an asked one rather than another
+        apart = np.diff(levels[order], prepend=-np.inf) > _SMALLEST_STEP * np.ptp(spread)
+        group = np.cumsum(apart)
+        first = np.full(group[-1] + 1, levels.size)
+        np.minimum.at(first, group, order)
+        return np.asarray(levels[first[1:]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,13 +259,31 @@ def _mass(low: FloatArray, high: FloatArray) -> FloatArray:
     return np.asarray(np.where(low > 0.0, ndtr(-low) - ndtr(-high), ndtr(high) - ndtr(low)))
 
 
+def radial_mass(d: int, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Probability that the distance from the origin of d normal variables lies in [low, high]."""
+    from scipy.special import gammainc, gammaincc
+
+    a, b = (0.5 * np.maximum(edge, 0.0) ** 2 for edge in (low, high))
+    far = a > 0.5 * d
+    outside = gammaincc(0.5 * d, a) - gammaincc(0.5 * d, b)
+    return np.asarray(np.where(far, outside, gammainc(0.5 * d, b) - gammainc(0.5 * d, a)))
+
+
+@cache
+def radial_reach(d: int) -> float:
+    """Distance from the origin beyond which 1e-17 of the probability of d variables is left."""
+    from scipy.special import gammainccinv
+
+    return float(np.sqrt(2.0 * gammainccinv(0.5 * d, 1e-17)))
+
+
 @cache
 def _refinement(stations: int) -> tuple[FloatArray, FloatArray]:
-    """Fine positions along a line and the matrix of the cubic spline that gives values there."""
+    """Fine positions in [0, 1] and the matrix of the cubic spline that gives values there."""
     from scipy.interpolate import CubicSpline
 
-    coarse = np.linspace(-REACH, REACH, stations)
-    fine = np.linspace(-REACH, REACH, _REFINED * (stations - 1) + 1)
+    coarse = np.linspace(0.0, 1.0, stations)
+    fine = np.linspace(0.0, 1.0, _REFINED * (stations - 1) + 1)
     return fine, CubicSpline(coarse, np.eye(stations))(fine)
 
 

@@ -58,6 +58,11 @@ class Axes:
             gradients[:, start : start + block] = (values[:, 0] - values[:, 1]).T
         return cls(_principal(gradients[:, :n_shared]), _principal(gradients[:, n_shared:]))
 
+    def led_by(self, first: int) -> Axes:
+        """The same directions, with lines along another individual one."""
+        order = [first, *(i for i in range(self.individual.shape[1]) if i != first)]
+        return Axes(self.shared, self.individual[:, order])
+
     @property
     def across(self) -> FloatArray:
         """All directions but the main individual one, shared ones first: (d, d - 1)."""
@@ -110,7 +115,17 @@ class Need:
         return Need(self.level + 1, (*self.errors, self.errors[-1]))
 
 
-def refined(surface: Surface, axes: Axes, together: int = 1) -> tuple[list[Need], Need]:
+UNKNOWN = Need(0, (math.inf,))
+"""Of a direction that was not looked at."""
+
+
+def refined(
+    surface: Surface,
+    axes: Axes,
+    together: int = 1,
+    asked: FloatArray | None = None,
+    most: float = math.inf,
+) -> tuple[list[Need], Need]:
     """Needs of all directions across, and along each line (a rung of `STATIONS`).
 
     Refinement starts from the centre and from a place in the tail. Shared directions get a finer
@@ -123,6 +138,11 @@ def refined(surface: Surface, axes: Axes, together: int = 1) -> tuple[list[Need]
         The surface and its directions.
     together
         How many responses, units times missions, a system takes.
+    asked
+        Thresholds (T,) at which scores are compared; None: over the whole distribution.
+    most
+        Points beyond which no rule is worth looking for; directions not looked at by then have an
+        infinite error.
     """
     across = axes.across
     d, count = across.shape
@@ -130,8 +150,11 @@ def refined(surface: Surface, axes: Axes, together: int = 1) -> tuple[list[Need]
     out = np.concatenate([[2.5], np.ones(max(count - 1, 0))])[:count]
     needs: list[Need] = []
     for base in (np.zeros(d), across @ out):
-        here = [_need(surface, axes, base, direction) for direction in across.T]
-        here.append(_along(surface, axes, base))
+        here, size = [], 1
+        for direction in across.T:
+            here.append(_need(surface, axes, base, direction, asked) if size <= most else UNKNOWN)
+            size *= LADDER[here[-1].level]
+        here.append(_along(surface, axes, base, asked))
         needs = [a.together(b) for a, b in zip(needs, here, strict=True)] if needs else here
     shared = axes.shared.shape[0]
     for _ in range(2 if together > _MANY else 1):
@@ -142,51 +165,64 @@ def refined(surface: Surface, axes: Axes, together: int = 1) -> tuple[list[Need]
 _Distribution: TypeAlias = TabulatedDistribution | AtomicDistribution
 
 
-def _need(surface: Surface, axes: Axes, base: FloatArray, direction: FloatArray) -> Need:
+def _need(
+    surface: Surface,
+    axes: Axes,
+    base: FloatArray,
+    direction: FloatArray,
+    asked: FloatArray | None,
+) -> Need:
     def found(level: int) -> _Distribution:
         nodes, weights = ladder_rule(level)
         starts = base + nodes[:, None] * direction
-        return _on_lines(surface, axes, (starts, weights), STATIONS[0])
+        return _on_lines(surface, axes, (starts, weights), STATIONS[0], asked)
 
     first = len(GAUSS)
     finer = found(first)
-    errors = [_distance(found(level), finer) for level in range(first)]
+    errors = [_distance(found(level), finer, asked) for level in range(first)]
     for level, error in enumerate(errors):
         if error <= TOLERANCE:
             return Need(level, tuple(errors[: level + 1]))
     for level in range(first, first + len(EQUAL_STEPS) - 1):
         coarser, finer = finer, found(level + 1)
-        errors.append(_distance(coarser, finer))
+        errors.append(_distance(coarser, finer, asked))
         if errors[-1] <= TOLERANCE:
             return Need(level, tuple(errors))
     return Need(len(LADDER) - 1, (*errors, errors[-1]))
 
 
-def _along(surface: Surface, axes: Axes, base: FloatArray) -> Need:
+def _along(surface: Surface, axes: Axes, base: FloatArray, asked: FloatArray | None) -> Need:
     start = base[None, :], np.ones(1)
     errors: list[float] = []
-    finer = _on_lines(surface, axes, start, STATIONS[0])
+    finer = _on_lines(surface, axes, start, STATIONS[0], asked)
     for level in range(len(STATIONS) - 1):
-        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1])
-        errors.append(_distance(coarser, finer))
+        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1], asked)
+        errors.append(_distance(coarser, finer, asked))
         if errors[-1] <= TOLERANCE:
             return Need(level, tuple(errors))
     return Need(len(STATIONS) - 1, (*errors, errors[-1]))
 
 
-def _on_lines(surface: Surface, axes: Axes, starts: Rule, stations: int) -> _Distribution:
+def _on_lines(
+    surface: Surface, axes: Axes, starts: Rule, stations: int, asked: FloatArray | None
+) -> _Distribution:
     positions = np.linspace(-REACH, REACH, stations)
     points = (starts[0][:, None, :] + positions[:, None] * axes.along).reshape(-1, axes.along.size)
-    found = LineRule(points, starts[1], positions).response(surface(points)).distribution
+    exact = np.empty(0) if asked is None else asked
+    lines = LineRule(points, starts[1], positions, asked=exact)
+    found = lines.response(surface(points)).distribution
     assert isinstance(found, TabulatedDistribution | AtomicDistribution)
     return found
 
 
-def _distance(one: _Distribution, other: _Distribution) -> float:
-    """Largest difference of normal scores at levels spread over body and tails."""
+def _distance(one: _Distribution, other: _Distribution, asked: FloatArray | None) -> float:
+    """Largest difference of normal scores, at what is asked or over body and tails."""
     if isinstance(one, AtomicDistribution) or isinstance(other, AtomicDistribution):
         return 0.0 if type(one) is type(other) else math.inf
-    inside = np.clip(_COMPARED_SCORES, other.scores[0], other.scores[-1])
+    scores = _COMPARED_SCORES
+    if asked is not None:
+        scores = np.clip(np.interp(asked, other.levels, other.scores), scores[0], scores[-1])
+    inside = np.clip(scores, other.scores[0], other.scores[-1])
     levels = np.interp(inside, other.scores, other.levels)
     return float(np.abs(one.score(levels) - other.score(levels)).max())
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -25,6 +26,38 @@ Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 
 # Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
 _MOST_NUMBERS = 20_000_000
+_MOST_EXACT = 50
+# Error of crossings and tables; and how much worse a rule may be than its last refinement showed.
+_ROUNDING, _CAUTION = 1e-4, 2.0
+# Parts of random lines whose scatter is measured, and Student's quantile for them over that of
+# the 20 draws behind the rest of the stated error.
+_GROUPS, _FEW_PARTS = 8, 1.13
+# Individual variables from which refinement along single directions may mislead.
+_MISLEADING = 3
+# Points of a first check by rays; errors of the check within which quadrature is confirmed, and
+# beyond which it is contradicted.
+_CHECKED, _CONFIRMED, _CONTRADICTED = 10_000, 2.5, 6.0
+# Shares of the points: in the trial of lines and rays, and in the end; criteria in the trial.
+_TRIED, _FEWER, _CRITERIA_TRIED = 16, 4, 8
+_MOST_COARSE = 20_000
+# Error of a reliability index at which no more lines are drawn.
+_ENOUGH = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """Conditional responses at the shared nodes.
+
+    Attributes
+    ----------
+    whole
+        From all lines.
+    parts
+        From parts of lines drawn at random, in order to tell their error; empty for quadrature.
+    """
+
+    whole: list[ConditionalResponse]
+    parts: list[list[ConditionalResponse]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +70,8 @@ class SurfaceSystem:
     Attributes
     ----------
     rule, coarse
-        Points for answers, and fewer points for changes of answers.
+        Points for answers, and fewer points for changes of answers. Where quadrature does not
+        resolve the surface, both hold lines or rays drawn at random.
     units
         Number of units.
     together
@@ -82,11 +116,81 @@ class SurfaceSystem:
         single = units == 1 and all(criterion.missions == 1 for criterion in criteria)
         together = single or n_shared == dimension
         most = units * max((one.max_missions for one in criteria), default=1)
-        plan = plan_surface(surface, dimension, 0 if together else n_shared, most)
+        max_points = min(max_points, _MOST_NUMBERS // dimension)
+        asked = _thresholds(criteria)
+        # under tau every response matters, not those at the thresholds alone
+        whole = any(one.tau is not None for one in criteria)
+        plan = plan_surface(
+            surface, dimension, 0 if together else n_shared, most,
+            asked=asked if together and not whole else None, max_points=max_points,
+        )  # fmt: skip
         if not complete:
             plan = plan.for_outcomes()
-        max_points = min(max_points, _MOST_NUMBERS // dimension)
-        return cls(plan.rule(max_points), plan.coarse_rule(), units, together)
+        rule = plan.rule(max_points, asked)
+        quadrature = cls(rule, plan.coarse_rule(asked), units, together)
+        own = dimension - plan.axes.shared.shape[0]
+        if own < _MISLEADING and (rule.resolved or own == 1):
+            return quadrature
+        drawn = DrawnRules.of(surface, plan, asked)
+        # the same without tau is told at a fraction of the cost
+        some = [
+            Criterion(one.threshold, None, one.missions)
+            for one in criteria[:: max(1, len(criteria) // _CRITERIA_TRIED)]
+        ]
+        if rule.resolved and quadrature._agrees(surface, some, drawn, max_points):
+            return quadrature
+        return quadrature._sampled(surface, some, drawn, max_points)
+
+    def _agrees(
+        self,
+        surface: Surface,
+        criteria: Sequence[Criterion],
+        drawn: DrawnRules,
+        max_points: int,
+    ) -> bool:
+        """Whether rays give the answers of the quadrature, within their scatter.
+
+        Refinement looks from two places, and may miss what is to be seen from others. A few rays
+        are drawn, and more of them as long as they neither confirm nor contradict.
+        """
+        own = self.responses(surface)
+        indices = reliability_indices(self.failures_given(own, criteria))
+        allowed = self.integration_errors(own, criteria)
+        most = _CHECKED
+        while True:
+            few = replace(self, rule=drawn.rule(most, rays=True))
+            found = few.responses(surface)
+            gap = np.abs(reliability_indices(few.failures_given(found, criteria)) - indices)
+            beyond = (gap - allowed) / few.integration_errors(found, criteria)
+            if beyond.max() <= _CONFIRMED:
+                return True
+            if beyond.max() > _CONTRADICTED or most >= max_points:
+                return False
+            most = min(4 * most, max_points)
+
+    def _sampled(
+        self,
+        surface: Surface,
+        criteria: Sequence[Criterion],
+        drawn: DrawnRules,
+        max_points: int,
+    ) -> SurfaceSystem:
+        """Draw lines or rays, whichever a trial finds to err less."""
+
+        def tried(most: int, *, rays: bool) -> tuple[float, SurfaceSystem]:
+            trial = replace(self, rule=drawn.rule(most, rays=rays))
+            errors = trial.integration_errors(trial.responses(surface), criteria)
+            return float(errors.max()), trial
+
+        most, enough = max_points // _TRIED, max_points // _FEWER
+        by_lines, by_rays = tried(most, rays=False), tried(most, rays=True)
+        rays = by_rays[0] < by_lines[0]
+        error, found = by_rays if rays else by_lines
+        while error > _ENOUGH and most < enough:
+            most = min(4 * most, enough)
+            error, found = tried(most, rays=rays)
+        step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
+        return replace(found, coarse=found.rule.parts(step)[0][0])
 
     def failures(
         self,
@@ -117,17 +221,42 @@ class SurfaceSystem:
 
     def responses(
         self, surface: Surface, outcomes: Outcomes | None = None, noise: float = 0.0
-    ) -> list[ConditionalResponse]:
+    ) -> Responses:
         """Conditional responses at the shared nodes, which answer any criteria."""
         points = self.rule.points
         kinds = None if outcomes is None else outcomes(points)
-        return self.rule.responses(surface(points), kinds, noise)
+        values = surface(points)
+        whole = self.rule.responses(values, kinds, noise)
+        if not self.rule.lines.sampled:
+            return Responses(whole, [])
+        parts = [
+            part.responses(values[some], None if kinds is None else kinds[some], noise)
+            for part, some in self.rule.parts(_GROUPS)
+        ]
+        return Responses(whole, parts)
 
     def failures_given(
-        self, responses: Sequence[ConditionalResponse], criteria: Sequence[Criterion]
+        self, responses: Responses, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
         """Failure probability under each criterion from `responses`."""
-        return self._answer(self.rule, responses, criteria)
+        return self._answer(self.rule, responses.whole, criteria)
+
+    def integration_errors(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
+        """Error (C,) of the reliability indices that the integration alone leaves.
+
+        Of quadrature: what refinement has still changed. Of lines drawn at random: the standard
+        error, from the scatter of the answers of eight parts of them.
+        """
+        if not responses.parts:
+            return np.full(len(criteria), max(_ROUNDING, _CAUTION * self.rule.error))
+        indices = np.array(
+            [
+                reliability_indices(self._answer(self.rule, part, criteria))
+                for part in responses.parts
+            ]
+        )
+        scatter = _FEW_PARTS * indices.std(axis=0, ddof=1) / math.sqrt(_GROUPS)
+        return np.asarray(np.hypot(_ROUNDING, scatter))
 
     def changes(
         self,
@@ -219,6 +348,14 @@ def reliability_indices(found: Sequence[SystemProbability]) -> FloatArray:
     reliability = np.array([one.reliability for one in found])
     beta = np.where(pf <= reliability, -ndtri(pf), ndtri(reliability))
     return np.asarray(np.clip(beta, -38.0, 38.0))
+
+
+def _thresholds(criteria: Sequence[Criterion]) -> FloatArray:
+    """Thresholds T that tables are to hold exactly: all, or some spread among many."""
+    asked = np.unique([one.threshold for one in criteria])
+    if asked.size > _MOST_EXACT:
+        asked = asked[np.linspace(0, asked.size - 1, _MOST_EXACT).round().astype(int)]
+    return np.asarray(asked)
 
 
 def _if_flown(found: SystemProbability, criterion: Criterion) -> SystemProbability:

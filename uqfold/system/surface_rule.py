@@ -35,8 +35,13 @@ MAX_POINTS = 400_000
 # Error of a normal score that is accepted when points are scarce: 2 % of pf at 1e-9, less above.
 _ACCEPTABLE = 3e-3
 # Errors beyond which quasi-random lines are better than a product that was cut down.
-_HOPELESS = 0.1
-_MOST_SHARED = 200
+_TOO_COARSE = 0.1
+MOST_SHARED = 33
+"""Shared nodes beside lines that are no product."""
+# Rules that need so many times the points that there are will not be cut down to them.
+_HOPELESS = 10.0
+# Individual variables up to which every direction is tried for lines.
+_MOST_LED = 3
 # The first rung of equal steps.
 _FOR_OUTCOMES = len(GAUSS)
 # Sizes of the first three rungs, and of all others, where only changes of the answer matter.
@@ -56,21 +61,33 @@ class SurfaceRule:
         Their weights (K,).
     lines
         Lines in the space of the individual variables, the same at every shared node.
-    resolved
-        Whether the number of points sufficed for the wanted accuracy.
+    error
+        Error of a normal score that the rule leaves, as far as refinement has shown.
     """
 
     shared_nodes: FloatArray
     weights: FloatArray
     lines: LineRule
-    resolved: bool
+    error: float
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the number of points sufficed for an acceptable accuracy."""
+        return self.error <= _ACCEPTABLE
 
     @property
     def points(self) -> FloatArray:
         """All points (K * lines * stations, d)."""
-        inner = self.lines.points
-        outer = np.repeat(self.shared_nodes, inner.shape[0], axis=0)
-        return np.hstack([outer, np.tile(inner, (self.shared_nodes.shape[0], 1))])
+        return joined(self.shared_nodes, self.lines.points)
+
+    def parts(self, count: int) -> list[tuple[SurfaceRule, IntArray]]:
+        """Rules of every count-th line each, and which of all points they take."""
+        lines, stations = self.lines.weights.size, self.lines.stations.size
+        place = np.arange(self.weights.size * lines * stations).reshape(-1, lines, stations)
+        return [
+            (replace(self, lines=self.lines.every(count, i)), place[:, i::count].ravel())
+            for i in range(count)
+        ]
 
     def responses(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
@@ -117,38 +134,51 @@ class SurfacePlan:
         """
         return replace(self, across=tuple(need.at_least(_FOR_OUTCOMES) for need in self.across))
 
-    def rule(self, max_points: int = MAX_POINTS) -> SurfaceRule:
-        """Lay out the points, at most `max_points` of them.
+    def rule(self, max_points: int = MAX_POINTS, asked: FloatArray | None = None) -> SurfaceRule:
+        """Lay out the points, at most `max_points` of them, for the thresholds that are asked.
 
         If the needs add up to more, what loses least is coarsened, again and again; where too much
         is lost, quasi-random lines take the place of a product.
         """
+        levels, error = self.levels(max_points)
+        n_shared = self.axes.shared.shape[0]
+        own = len(self.across) - n_shared
+        if error > _TOO_COARSE and own > 2:
+            levels = self._few_shared()
+            stations = STATIONS[0]
+            lines = quasi_random_rule(own, max(1, max_points // (_nodes(levels) * stations)))
+        else:
+            stations = STATIONS[levels.pop()]
+            lines = product_rule([ladder_rule(level) for level in levels[n_shared:]])
+        shared = product_rule([ladder_rule(level) for level in levels[:n_shared]])
+        return self._laid_out(shared, lines, stations, error=error, asked=asked)
+
+    def levels(self, max_points: int) -> tuple[list[int], float]:
+        """Rungs that `max_points` allow, and the error of a normal score that they leave."""
         needs = [*self.across, self.along]
         levels = [need.level for need in needs]
-        enough = _size(levels) <= max_points
         while _size(levels) > max_points and any(levels):
             losses = [
                 need.errors[level - 1] if level > 0 else math.inf
                 for need, level in zip(needs, levels, strict=True)
             ]
             levels[int(np.argmin(losses))] -= 1
-        error = sum(need.errors[level] for need, level in zip(needs, levels, strict=True))
-        n_shared = self.axes.shared.shape[0]
-        own = len(self.across) - n_shared
-        if not enough and error > _HOPELESS and own > 2:
-            levels = [need.level for need in self.across[:n_shared]]
-            while _nodes(levels) > _MOST_SHARED:
-                levels[int(np.argmax(levels))] -= 1
-            stations = STATIONS[0]
-            size = max(1, max_points // (_nodes(levels) * stations))
-            lines = quasi_random_rule(own, size)
-        else:
-            stations = STATIONS[levels.pop()]
-            lines = product_rule([ladder_rule(level) for level in levels[n_shared:]])
-        shared = product_rule([ladder_rule(level) for level in levels[:n_shared]])
-        return self._laid_out(shared, lines, stations, resolved=enough or error <= _ACCEPTABLE)
+        left = [need.errors[level] for need, level in zip(needs, levels, strict=True)]
+        return levels, math.hypot(*left)
 
-    def coarse_rule(self) -> SurfaceRule:
+    def shared_rule(self) -> Rule:
+        """Nodes (K, d_shared) and weights of the shared variables, at most `MOST_SHARED`."""
+        levels = self._few_shared()
+        nodes, weights = product_rule([ladder_rule(level) for level in levels])
+        return nodes @ self.axes.shared.T, weights
+
+    def _few_shared(self) -> list[int]:
+        levels = [need.level for need in self.across[: self.axes.shared.shape[0]]]
+        while _nodes(levels) > MOST_SHARED:
+            levels[int(np.argmax(levels))] -= 1
+        return levels
+
+    def coarse_rule(self, asked: FloatArray | None = None) -> SurfaceRule:
         """Lay out few points: enough to see how the answer moves when the surface does."""
         sizes = [_COARSE[min(need.level, len(_COARSE) - 1)] for need in self.across]
         n_shared = self.axes.shared.shape[0]
@@ -158,21 +188,43 @@ class SurfacePlan:
             else quasi_random_rule(len(part), _COARSE_NODES)
             for part in (sizes[:n_shared], sizes[n_shared:])
         )
-        return self._laid_out(shared, lines, _COARSE_STATIONS, resolved=False, short=True)
+        return self._laid_out(
+            shared, lines, _COARSE_STATIONS, error=math.inf, short=True, asked=asked
+        )
 
     def _laid_out(
-        self, shared: Rule, across: Rule, stations: int, *, resolved: bool, short: bool = False
+        self,
+        shared: Rule,
+        across: Rule,
+        stations: int,
+        *,
+        error: float,
+        short: bool = False,
+        asked: FloatArray | None = None,
     ) -> SurfaceRule:
         positions = np.linspace(-REACH, REACH, stations)
         own = self.axes.individual
         starts = across[0] @ own[:, 1:].T
         points = (starts[:, None, :] + positions[:, None] * own[:, 0]).reshape(-1, own.shape[0])
-        lines = LineRule(points, across[1], positions, short)
-        return SurfaceRule(shared[0] @ self.axes.shared.T, shared[1], lines, resolved)
+        lines = LineRule(
+            points, across[1], positions, short, np.empty(0) if asked is None else asked
+        )
+        return SurfaceRule(shared[0] @ self.axes.shared.T, shared[1], lines, error)
 
 
-def plan_surface(surface: Surface, dimension: int, n_shared: int, together: int = 1) -> SurfacePlan:
+def plan_surface(
+    surface: Surface,
+    dimension: int,
+    n_shared: int,
+    together: int = 1,
+    *,
+    asked: FloatArray | None = None,
+    max_points: int = MAX_POINTS,
+) -> SurfacePlan:
     """Find out how finely a surface must be known.
+
+    Lines run along the direction in which the surface changes most, or along another one where
+    this leaves less of an error.
 
     Parameters
     ----------
@@ -184,6 +236,10 @@ def plan_surface(surface: Surface, dimension: int, n_shared: int, together: int 
         How many of them, the first ones, are shared; fewer than d.
     together
         How many responses, units times missions, a system takes.
+    asked
+        Thresholds (T,) that matter; None: the whole distribution does.
+    max_points
+        Points that a rule may have.
 
     Raises
     ------
@@ -192,9 +248,24 @@ def plan_surface(surface: Surface, dimension: int, n_shared: int, together: int 
     """
     if not 0 <= n_shared < dimension:
         raise ValueError(f"{n_shared} shared of {dimension} variables: one must be individual")
-    axes = Axes.of(surface, dimension, n_shared)
-    across, along = refined(surface, axes, together)
-    return SurfacePlan(axes, tuple(across), along)
+    principal = Axes.of(surface, dimension, n_shared)
+    plans = []
+    own = dimension - n_shared
+    for first in range(own if own <= _MOST_LED else 1):
+        axes = principal.led_by(first)
+        across, along = refined(surface, axes, together, asked, _HOPELESS * max_points)
+        plan = SurfacePlan(axes, tuple(across), along)
+        error = plan.levels(max_points)[1]
+        plans.append((error, first, plan))
+        if error <= _ACCEPTABLE:
+            break
+    return min(plans)[2]
+
+
+def joined(shared: FloatArray, individual: FloatArray) -> FloatArray:
+    """All points (K n, d): each of n individual parts at each of K shared ones."""
+    outer = np.repeat(shared, individual.shape[0], axis=0)
+    return np.hstack([outer, np.tile(individual, (shared.shape[0], 1))])
 
 
 def _nodes(levels: Sequence[int]) -> int:

@@ -1,0 +1,120 @@
+"""Lines and rays drawn at random, where no product of rules resolves a surface."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import ndtr, ndtri
+from scipy.stats import chi2
+
+from uqfold.problems.criterion import criteria
+from uqfold.system.directions import DirectionMixture
+from uqfold.system.lines import radial_mass, radial_reach
+from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.typing import FloatArray
+
+WANTED = np.array([1e-2, 1e-4, 1e-9])
+
+
+def square(u: FloatArray) -> FloatArray:
+    return np.asarray((u**2).sum(axis=1))
+
+
+@pytest.mark.parametrize("d", [4, 10, 100])
+def test_failure_all_around_in_many_directions_is_known_to_one_percent(d: int) -> None:
+    asked = criteria(chi2.isf(WANTED, d).tolist())
+    system = SurfaceSystem.of(square, d, 0, 1, asked)
+    responses = system.responses(square)
+    found = system.failures_given(responses, asked)
+    assert_allclose([one.pf for one in found], WANTED, rtol=1e-2)
+    off = np.abs(reliability_indices(found) + ndtri(WANTED))
+    assert (off <= 4.0 * system.integration_errors(responses, asked)).all()
+
+
+def test_a_sharp_feature_is_integrated_along_the_direction_that_leads_to_failure() -> None:
+    """Known by quadrature over the sharp variable: 3.7 % off with lines along the steepest."""
+
+    def sharp(u: FloatArray) -> FloatArray:
+        return np.asarray(u[:, 1] - 100.0 * u[:, 0] ** 4)
+
+    x = np.linspace(-2.0, 2.0, 400_001)
+    density = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi)
+    exact = float(np.trapezoid(density * ndtr(-(2.5 + 100.0 * x**4)), x))
+    asked = criteria([2.5])
+    system = SurfaceSystem.of(sharp, 2, 0, 1, asked)
+    [found] = system.failures(sharp, asked)
+    assert found.pf == pytest.approx(exact, rel=1e-4)
+
+
+def test_the_error_of_what_bends_in_many_directions_is_stated() -> None:
+    """The sum of eight exponentials: neither lines nor rays are exact, and the error says so."""
+    from scipy.stats import gamma
+
+    def exponentials(u: FloatArray) -> FloatArray:
+        return np.asarray(-np.log(ndtr(-u)).sum(axis=1))
+
+    wanted = np.array([1e-2, 1e-5])
+    asked = criteria(gamma.isf(wanted, 8).tolist())
+    system = SurfaceSystem.of(exponentials, 8, 0, 1, asked)
+    responses = system.responses(exponentials)
+    index = reliability_indices(system.failures_given(responses, asked))
+    error = system.integration_errors(responses, asked)
+    assert (error > 2e-4).all()
+    assert (error < 0.05).all()
+    assert (np.abs(index + ndtri(wanted)) <= 4.0 * error).all()
+
+
+def test_several_failure_regions_off_the_axes_are_found_by_rays() -> None:
+    """Four corners of a cube of five variables, far out; each holds a quarter of pf."""
+    signs = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, 1], [-1, 1, -1, -1, 1], [-1, -1, 1, 1, -1]])
+
+    def corners(u: FloatArray) -> FloatArray:
+        return np.asarray((u @ signs.T).max(axis=1) / np.sqrt(5.0))
+
+    asked = criteria([4.5])
+    system = SurfaceSystem.of(corners, 5, 0, 1, asked)
+    responses = system.responses(corners)
+    [found] = system.failures_given(responses, asked)
+    [error] = system.integration_errors(responses, asked)
+    # the regions overlap by less than 1e-4 of them
+    assert abs(reliability_indices([found])[0] + ndtri(4.0 * ndtr(-4.5))) < 4.0 * error + 1e-3
+
+
+@pytest.mark.parametrize("d", [2, 3, 10, 60])
+def test_a_mixture_of_directions_draws_what_its_density_says(d: int) -> None:
+    rng = np.random.default_rng(0)
+    means = rng.standard_normal((3, d))
+    means /= np.linalg.norm(means, axis=1, keepdims=True)
+    narrow = DirectionMixture(means, np.array([0.5, 2.0, 1.0]) * d, np.array([0.5, 0.3, 0.2]))
+    mixture = DirectionMixture.of([(0.3, DirectionMixture.uniform(d)), (0.7, narrow)])
+    # the density has mean one over the sphere, and its inverse over its own draws
+    uniform = rng.standard_normal((40_000, d))
+    uniform /= np.linalg.norm(uniform, axis=1, keepdims=True)
+    density = np.exp(mixture.log_density(uniform))
+    assert abs(density.mean() - 1.0) < 5.0 * density.std() / 200.0
+    drawn = mixture.draw(40_000, rng)
+    assert_allclose(np.linalg.norm(drawn, axis=1), 1.0, rtol=1e-9)
+    inverse = np.exp(-mixture.log_density(drawn))
+    projected = inverse * (drawn @ means[0]) ** 2
+    assert abs(projected.mean() - 1.0 / d) < 5.0 * projected.std() / 200.0
+
+
+def test_a_fit_finds_the_directions_of_two_clusters() -> None:
+    rng = np.random.default_rng(1)
+    ends = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    true = DirectionMixture(ends, np.array([60.0, 60.0]), np.array([0.7, 0.3]))
+    directions = true.draw(4000, rng)
+    found = DirectionMixture.fitted(directions, np.ones(4000), 2, rng)
+    order = np.argsort(-found.shares)
+    assert_allclose(found.means[order], ends, atol=0.02)
+    assert_allclose(found.shares[order], [0.7, 0.3], atol=0.03)
+    assert_allclose(found.concentrations, 60.0, rtol=0.15)
+
+
+@pytest.mark.parametrize("d", [1, 2, 7, 100])
+def test_radii_have_the_chi_distribution_in_both_tails(d: int) -> None:
+    edges = np.array([0.0, 0.1, 1.0, np.sqrt(d), np.sqrt(d) + 5.0, np.inf])
+    exact = chi2.sf(edges[:-1] ** 2, d) - chi2.sf(edges[1:] ** 2, d)
+    found = radial_mass(d, edges[:-1], edges[1:])
+    assert_allclose(found[-2:], exact[-2:], rtol=1e-9)
+    assert found.sum() == pytest.approx(1.0, abs=1e-12)
+    assert chi2.sf(radial_reach(d) ** 2, d) == pytest.approx(1e-17, rel=1e-6)

@@ -1,0 +1,72 @@
+"""Rules of lines or rays drawn at random, beside quadrature over the shared variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.system.directions import DirectionMixture
+from uqfold.system.sampled_rule import (
+    SAMPLED_STATIONS,
+    failure_directions,
+    random_lines,
+    random_rays,
+)
+from uqfold.system.surface_rule import Surface, SurfacePlan, SurfaceRule, joined
+from uqfold.typing import FloatArray
+
+# Shared nodes from which directions of failure are looked for.
+_SHARED_TRIED = 4
+_FEWEST = 16
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnRules:
+    """What is needed to draw lines and rays for a surface.
+
+    Attributes
+    ----------
+    shared_nodes, weights
+        Nodes (K, d_shared) of the shared variables, and their weights (K,).
+    axes
+        Principal directions of the individual variables, in columns.
+    directions
+        Where rays lead to failure.
+    asked
+        Thresholds (T,) that tables are to hold exactly.
+    rng
+        Source of lines and rays.
+    """
+
+    shared_nodes: FloatArray
+    weights: FloatArray
+    axes: FloatArray
+    directions: DirectionMixture
+    asked: FloatArray
+    rng: np.random.Generator
+
+    @classmethod
+    def of(cls, surface: Surface, plan: SurfacePlan, asked: FloatArray) -> DrawnRules:
+        """Find the directions of failure of a surface; the same surface gives the same ones."""
+        nodes, weights = plan.shared_rule()
+        rng = np.random.default_rng(0)
+        some = min(weights.size, _SHARED_TRIED)
+        few = nodes[rng.choice(weights.size, some, p=weights, replace=False)]
+
+        def values(individual: FloatArray) -> FloatArray:
+            return surface(joined(few, individual)).reshape(some, -1)
+
+        axes = plan.axes.individual
+        directions = failure_directions(values, axes.shape[0], asked, rng)
+        return cls(nodes, weights, axes, directions, asked, rng)
+
+    def rule(self, most: int, *, rays: bool) -> SurfaceRule:
+        """Draw about as many lines or rays as `most` points allow."""
+        size = max(_FEWEST, most // (self.weights.size * SAMPLED_STATIONS))
+        if rays:
+            lines = random_rays(self.directions, size, self.asked, self.rng)
+        else:
+            across = self.axes[:, 1:]
+            lines = random_lines(self.axes[:, 0], across, size, self.asked, self.rng)
+        return SurfaceRule(self.shared_nodes, self.weights, lines, error=0.0)
