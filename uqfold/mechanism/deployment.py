@@ -107,7 +107,7 @@ def deployment_times(
         If the shapes do not fit, `b` or `C_r` is given beside one of its parts, the tolerance is
         out of its bounds, or `threads` is below 1.
     TypeError
-        If a name is none of those, or a value is no number.
+        If a name is none of those, or a value is not a number.
 
     Warns
     -----

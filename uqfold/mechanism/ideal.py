@@ -64,7 +64,7 @@ def ideal_deployment_times(
     ValueError
         If the shapes do not fit, a field is given twice, or the tolerance is out of its bounds.
     TypeError
-        If a name is none of `Samples`, or a value is no number.
+        If a name is none of `Samples`, or a value is not a number.
 
     Examples
     --------

@@ -12,7 +12,7 @@ JOINTS = ("B", "C")
 def motion_table(
     parameters: WingParameters, *, tolerance: float = DEFAULT_TOLERANCE
 ) -> dict[str, FloatArray]:
-    """Simulate one wing and give its motion, contacts and energies as columns.
+    """Return motion, contacts and energies of one simulated wing as columns.
 
     Parameters
     ----------

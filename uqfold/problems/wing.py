@@ -88,7 +88,7 @@ class DeploymentTime:
     names: tuple[str, ...] = tuple(TABLE_6)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the deployment times (n,) in s of X (n, d)."""
+        """Return the deployment times (n,) in s of X (n, d)."""
         from uqfold.mechanism import deployment_times
 
         return deployment_times(self.parameters, **_in_si_units(self.names, x))
@@ -108,14 +108,14 @@ class IdealDeploymentTime:
     names: tuple[str, ...] = tuple(TABLE_6)
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the deployment times (n,) in s of X (n, d)."""
+        """Return the deployment times (n,) in s of X (n, d)."""
         from uqfold.mechanism import ideal_deployment_times
 
         return ideal_deployment_times(self.parameters, **_in_si_units(self.names, x))
 
 
 def _in_si_units(names: tuple[str, ...], x: FloatArray) -> dict[str, Any]:
-    """Give the columns of X as the mechanism takes them."""
+    """Return the columns of X as the mechanism takes them."""
     return {name: column * _si(name) for name, column in zip(names, x.T, strict=True)}
 
 
@@ -129,7 +129,7 @@ def folding_wing(
     means: Mapping[str, float] | None = None,
     standard_deviations: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Give the folding-wing system of Table 6, or one with other means and standard deviations.
+    """Return the folding-wing system of Table 6, or one with other means and standard deviations.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def folding_wing(
     Raises
     ------
     ValueError
-        If a name is not one of the inputs, a mean is no possible value, or a standard deviation
+        If a name is not one of the inputs, a mean is not a possible value, or a standard deviation
         is not positive.
     TypeError
         If a value is not a number.
@@ -179,7 +179,7 @@ def folding_wing_random_lengths(
     means: Mapping[str, float] | None = None,
     standard_deviations: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Give the folding-wing system of Table 10, whose arms have random lengths.
+    """Return the folding-wing system of Table 10, whose arms have random lengths.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def _problem(
 
 
 def _version(wing: WingParameters) -> str:
-    """Give a text that changes with whatever may change a deployment time.
+    """Return a text that changes with whatever may change a deployment time.
 
     That is the source of the mechanism and of this module, the parameters, and the compiler, which
     may change the last digit.

@@ -17,7 +17,7 @@ from validation.mechanism.independent import DRIVE_CORNERS, Wing, ramp
 
 
 def deployment_time(p: WingParameters) -> float:
-    """Give the time of the lock (s), inf where it is not reached within `p.t_max`."""
+    """Return the time of the lock (s), inf where it is not reached within `p.t_max`."""
     wing = Wing(p)
     J_A, m_2, _, J_2, m_3 = wing.inertia
 

@@ -61,14 +61,14 @@ def draws_of_table_6(n: int, seed: int) -> dict[str, np.ndarray]:
 
 
 def means(table: Mapping[str, tuple[float, float]]) -> WingParameters:
-    """Give the wing at the means of a table; what the table does not name is as in Table 1."""
+    """Return the wing at the means of a table; what the table does not name is as in Table 1."""
     return WingParameters(**{name: mean for name, (mean, _) in table.items()})
 
 
 def corners(
     table: Mapping[str, tuple[float, float]], free: int
 ) -> Iterator[tuple[str, WingParameters]]:
-    """Give corners at 3 standard deviations from the means, as a two-level fractional factorial.
+    """Return corners at 3 standard deviations from the means, as a two-level fractional factorial.
 
     The first `free` variables take all sign combinations. Each further one takes the product of
     the signs of the free ones without one of them, and the last variable of all the product of
@@ -89,7 +89,7 @@ def corners(
 
 
 def parameter_sets() -> dict[str, WingParameters]:
-    """Give all sets by name."""
+    """Return all sets by name."""
     six, ten = means(TABLE_6), means(TABLE_10)
     sets = {
         "table 1": WingParameters(),
