@@ -55,17 +55,3 @@ def attach_stub(
 
     names = sorted(homes)
     return load, lambda: names, names
-
-
-def lazy_exports(
-    package: str, namespace: dict[str, Any], exports: Mapping[str, str]
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return ``__getattr__`` and ``__dir__`` of a package, until the last such package is gone."""
-
-    def load(name: str) -> Any:
-        if name not in exports:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        namespace[name] = getattr(import_module(exports[name]), name)
-        return namespace[name]
-
-    return load, lambda: sorted({*namespace, *exports})
