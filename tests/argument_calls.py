@@ -177,7 +177,8 @@ WITHOUT_ARGUMENT_CHECKS = {
     "methods.AskTellSession.replay",
     "methods.Estimate.without_answer", "methods.Task.generator",
     "methods.Task.summed_up", "testing.LinearNormalSystem.response",
-    "validation.Work.parts", "validation.Work.pick", "validation.record_schema",
+    "validation.Work.parts", "validation.Work.pick", "validation.Work.progress",
+    "validation.record_schema",
     # records without fields: their verbs are in the table
     "ReliabilityMethod", "methods.SequentialMethod",
     # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
@@ -211,11 +212,19 @@ def calls(folder: Path) -> dict[str, Call]:
     plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
     *_, compared = comparison.run_comparison(plan)
     comparison.write_records(compared, folder)
+    cheap = methods.FFNIPearson()
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
     frame = compared.assign(**known)
-    axes, page = plots.error_against_evaluations(frame), report.Page("some")
-    cheap = methods.FFNIPearson()
+    summary = comparison.benchmark_summary(frame.assign(max_evals=1.0), {"response": 2})
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
+    designs = analysis.designs_to_frame([design], cheap, max_evals=1000)
+    designs = designs.assign(label="mc", problem="some")
+    separate = analysis.independence(problem, [1, 2], criteria)
+    slope = {"label": "mc", "input": "a", "moment": "mean", "threshold": 1.0}
+    slopes = pd.DataFrame([slope | {"per_std": 1.0, "per_std_error": 0.1}])
+    index = {"label": "mc", "input": "a", "order": "main", "index": 0.5}
+    indices = pd.DataFrame([index | {"ci_low": 0.4, "ci_high": 0.6}])
+    axes, page = plots.error_against_evaluations(frame), report.Page("some")
     wing = mechanism.WingParameters(t_max=0.01)
     finding = validation.Finding("error", 0.5, 1.0)
     table = validation.Table("T", ("series", "x", "y"), (("a", 1.0, 2.0),))
@@ -431,6 +440,23 @@ def calls(folder: Path) -> dict[str, Call]:
             analysis.verify_all,
             {"places": thing([(design, 2.0)]).also("empty list"), "method": method, **run},
         ),
+        "analysis.designs_to_frame": Call(
+            analysis.designs_to_frame,
+            {"designs": thing([design]).also("empty list"), "verify_by": optional(method), **run},
+        ),
+        "analysis.independence": Call(
+            analysis.independence,
+            {
+                "problem": at,
+                "units": thing([1, 2]),
+                "criteria": of["criteria"],
+                "method": optional(thing(methods.FFNISaddlepoint())),
+                "draws": optional(count(20)),
+                "per_draw": count(16),
+                "rng": run["rng"],
+                "evaluator": run["evaluator"],
+            },
+        ),
         "comparison.NamedProblem": Call(
             comparison.NamedProblem,
             {"name": text(), "description": text(), "factory": text("a:b"), "max_evals": count()},
@@ -449,7 +475,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "comparison.available_problems": Call(comparison.available_problems, {}),
         "comparison.benchmark_summary": Call(
             comparison.benchmark_summary,
-            {"frame": thing(frame.assign(max_evals=1.0)), "units": thing({"": 2})},
+            {"frame": thing(frame.assign(max_evals=1.0)), "units": thing({"response": 2})},
         ),
         "comparison.checked_frame": Call(comparison.checked_frame, {"frame": thing(frame)}),
         "comparison.comparison_header": Call(comparison.comparison_header, {"frame": thing(frame)}),
@@ -749,6 +775,23 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "problems.ReferenceTable.lookup": Call(references.lookup, {"criterion": thing(criterion)}),
+        "plots.benchmark": Call(
+            plots.benchmark, {"summary": thing(summary), "ax": optional(thing(axes))}
+        ),
+        "plots.benchmark_panels": Call(
+            plots.benchmark_panels, {"summary": thing(summary), "decades": thing([-2])}
+        ),
+        "plots.derivatives": Call(
+            plots.derivatives, {"table": thing(slopes), "ax": optional(thing(axes))}
+        ),
+        "plots.derivatives_over_threshold": Call(
+            plots.derivatives_over_threshold,
+            {"table": thing(slopes), "moment": choice("mean"), "ax": optional(thing(axes))},
+        ),
+        "plots.design": Call(plots.design, {"table": thing(designs)}),
+        "plots.figure_settings": Call(plots.figure_settings, {}),
+        "plots.independence_panels": Call(plots.independence_panels, {"table": thing(separate)}),
+        "plots.sobol": Call(plots.sobol, {"table": thing(indices), "ax": optional(thing(axes))}),
         "plots.comparison": Call(plots.comparison, {"frame": thing(frame)}),
         "plots.error_against_evaluations": Call(
             plots.error_against_evaluations,

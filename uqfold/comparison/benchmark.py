@@ -7,11 +7,12 @@ are relative to the reference (Eq. 49, with its sign).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.checks import instance, mapping, whole
+from uqfold.checks import instance, whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +69,8 @@ def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFram
     missing = [name for name in (*NEEDS, "max_evals") if name not in frame.columns]
     if missing:
         raise ValueError(f"the frame has no column {missing[0]!r}: give rows of uqfold.compare")
-    units = mapping("units", units, whole, at_least=1)
+    instance("units", units, (Mapping,), "give a dict of problem -> number of units")
+    units = {name: whole(f"units[{name!r}]", number, at_least=1) for name, number in units.items()}
     unknown = sorted(set(frame["problem"]) - set(units))
     if unknown:
         raise ValueError(f"units = {units!r}: give the number of units of {unknown[0]!r} too")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.checks import refused
+from uqfold.checks import refused, several, whole
 from uqfold.plots.panels import GREY, axes_or_new, key, legend_below
 from uqfold.plots.rows import distinct, having, joined
 from uqfold.plots.style import figure_settings, method_styles
@@ -41,7 +41,7 @@ def benchmark(summary: pd.DataFrame, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(summary, NEEDS)
+    frame = joined(summary, NEEDS, "summary")
     axes = axes_or_new(ax)
     column = "method" if "method" in frame else "label"
     axes.set(xscale="log", yscale="log", xlim=(20, 20_000), ylim=(_SMALLEST, _LARGEST))
@@ -84,10 +84,11 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    frame = joined(summary, NEEDS)
-    frame = frame[frame["decade"].isin(list(decades)) & (frame["answers"] > 0)]
+    frame = joined(summary, NEEDS, "summary")
+    decades = list(several("decades", decades, whole))
+    frame = frame[frame["decade"].isin(decades) & (frame["answers"] > 0)]
     if frame.empty:
-        raise refused("decades", list(decades), "no reference lies in them")
+        raise refused("decades", decades, "no reference lies in them")
     problems = distinct(frame, "problem")
     styles = method_styles(distinct(frame, "method" if "method" in frame else "label"))
     size = (WIDTH_INCHES, ROW_INCHES * len(decades) + 1.0)

@@ -35,7 +35,7 @@ def independence_panels(table: pd.DataFrame) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    frame = joined(table, NEEDS).sort_values("threshold", kind="stable")
+    frame = joined(table, NEEDS, "table").sort_values("threshold", kind="stable")
     label = str(frame["label"].iloc[0]) if "label" in frame else "ffni-spa"
     numbers = sorted(distinct(frame, "units"))
     looks = shades(method_styles([label])[label], len(numbers), own_markers=True)

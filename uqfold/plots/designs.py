@@ -41,7 +41,7 @@ def design(table: Frames) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    frame = joined(table, NEEDS)
+    frame = joined(table, NEEDS, "table")
     frame = frame.assign(case=case_texts(frame))
     cases, labels = distinct(frame, "case"), distinct(frame, "label")
     styles = method_styles(labels)

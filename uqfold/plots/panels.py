@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.checks import instance
 from uqfold.plots.style import COLUMN_INCHES, figure_settings
 
 if TYPE_CHECKING:
@@ -78,10 +79,12 @@ def legend_below(figure: Figure, handles: Sequence[Any], columns: int) -> None:
 
 def axes_or_new(ax: Axes | None, height: float = 2.6) -> Axes:
     """Return the axes, or those of a new figure as wide as a column of print."""
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     if ax is not None:
-        return ax
+        checked: Axes = instance("ax", ax, Axes, "give Axes of matplotlib")
+        return checked
     return Figure(figsize=(COLUMN_INCHES, height), layout="constrained").subplots()
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import refused
+from uqfold.checks import instance, listed, refused
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,23 +18,28 @@ _BINOMIAL = re.compile(r"binomial\((\d+), (.+)\)")
 _HEADER = "uqfold-comparison"
 
 
-def joined(frames: Frames, needs: Sequence[str]) -> pd.DataFrame:
+def joined(frames: Frames, needs: Sequence[str], name: str = "frame") -> pd.DataFrame:
     """Return the rows of one or several frames, one after the other, with the first one's attrs.
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If there is no row, or a frame lacks a column that the figure needs.
     """
     import pandas as pd
 
-    given = [frames] if isinstance(frames, pd.DataFrame) else list(frames)
+    given: list[pd.DataFrame] = (
+        [frames]
+        if isinstance(frames, pd.DataFrame)
+        else list(listed(name, frames, what="DataFrame, or a list of them"))
+    )
     for frame in given:
-        missing = [name for name in needs if name not in frame.columns]
+        instance(name, frame, pd.DataFrame, "give a DataFrame, or a list of them")
+        missing = [column for column in needs if column not in frame.columns]
         if missing:
-            raise refused("frame", list(frame.columns), f"it has no column {missing[0]!r}")
+            raise refused(name, list(frame.columns), f"it has no column {missing[0]!r}")
     if not any(len(frame) for frame in given):
-        raise refused("frame", frames, "it has no row to draw")
+        raise refused(name, frames, "it has no row to draw")
     whole = given[0] if len(given) == 1 else pd.concat(given, ignore_index=True)
     whole.attrs = given[0].attrs
     return whole

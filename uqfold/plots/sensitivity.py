@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uqfold.checks import choice
 from uqfold.plots.panels import GREY, axes_or_new, key
 from uqfold.plots.rows import distinct, having, joined, response_of
 from uqfold.plots.style import MethodStyle, figure_settings, method_styles
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 ROW_INCHES = 0.3
 REACH = 1.96
 SMALLEST_INDEX = 1e-6
+MOMENTS = {"mean": "mean", "standard deviation": "std. dev."}
 INPUT_LOOKS = (
     MethodStyle("#0072B2", "o"), MethodStyle("#D55E00", "s"), MethodStyle("#009E73", "^"),
     MethodStyle("#CC79A7", "D"), MethodStyle("#E69F00", "v"), MethodStyle("#56B4E9", "P"),
@@ -47,7 +49,7 @@ def sobol(table: Frames, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(table, ("label", "input", "order", "index", "ci_low", "ci_high"))
+    frame = joined(table, ("label", "input", "order", "index", "ci_low", "ci_high"), "table")
     inputs, labels = distinct(frame, "input"), distinct(frame, "label")
     styles = method_styles(labels)
     axes = axes_or_new(ax, 1.2 + (ROW_INCHES + 0.1) * len(inputs))
@@ -87,7 +89,7 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(table, DERIVATIVE_NEEDS)
+    frame = joined(table, DERIVATIVE_NEEDS, "table")
     column = "label" if "label" in frame else "method"
     parameters = list(dict.fromkeys(zip(frame["input"], frame["moment"], strict=True)))
     labels = distinct(frame, column)
@@ -101,8 +103,7 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
         value, half = own["per_std"].to_numpy(), REACH * own["per_std_error"].to_numpy()
         axes.hlines(y, value - half, value + half, color=styles[label].color, linewidth=1.2)
         _points(axes, value, y, styles[label], hollow=False, label=str(label))
-    short = {"mean": "mean", "standard deviation": "std. dev."}
-    _name_rows(axes, [f"{name}, {short[moment]}" for name, moment in parameters])
+    _name_rows(axes, [f"{name}, {MOMENTS[moment]}" for name, moment in parameters])
     means = sum(moment == "mean" for _, moment in parameters)
     axes.axhline(means - 0.5, color="#BBBBBB", linewidth=0.8)
     axes.set_xlabel("relative change of pf\nper std. dev. of the input")
@@ -127,7 +128,8 @@ def derivatives_over_threshold(table: Frames, moment: str, ax: Axes | None = Non
     -------
     matplotlib.axes.Axes
     """
-    frame = having(joined(table, DERIVATIVE_NEEDS), "moment", moment)
+    choice("moment", moment, MOMENTS)
+    frame = having(joined(table, DERIVATIVE_NEEDS, "table"), "moment", moment)
     axes = axes_or_new(ax)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     for k, name in enumerate(distinct(frame, "input")):
