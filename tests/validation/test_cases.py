@@ -64,7 +64,8 @@ def test_the_kept_verdict_comes_out_again(name: str, tmp_path: Path) -> None:
 def test_kept_records_belong_to_their_case(name: str) -> None:
     case = CASES[name]
     record = read_case_record(case.kept("quick"))
-    assert (record.case, record.tier) == (case.declared, "quick")
+    kept = (record.name, record.case.claim, record.case.seeds, record.tier)
+    assert kept == (name, case.declared.claim, case.declared.seeds, "quick")
     assert tuple(one.fault for one in record.faults) == case.faults
     # every declared fault was planted when the record was made, and noticed
     assert all(one.caught for one in record.faults)

@@ -22,9 +22,9 @@ import numpy as np
 from uqfold.mechanism import WingParameters, deployment_times
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.against_scipy.measure import TOLERANCE
-from validation.mechanism.faulty import late_onset, stale
+from validation.mechanism.faulty import late_onset
 from validation.mechanism.parameter_sets import parameter_sets
-from validation.mechanism.stored_times import read_rows, write_rows
+from validation.mechanism.stored_times import expected_times, read_rows, write_rows
 
 AGREEMENT = 1e-5
 """Largest difference (s)."""
@@ -118,18 +118,10 @@ def _late_onset(wing: WingParameters) -> float:
 def measure(work: Work) -> Measurement:
     """Compare with stored times; in the full tier with times that exudyn computes now."""
     sets = parameter_sets()
-    stored = stored_times()
-    expected: Mapping[str, Sequence[float]] = stored
-    findings = []
-    if work.tier == "full":
-        expected = work.parts({name: partial(exudyn_times, sets[name]) for name in SETS})
-        changes = [abs(expected[name][-1] - stored[name][-1]) for name in SETS]
-        findings = [
-            Finding("largest change of exudyn's times since they were stored", max(changes),
-                    AGREEMENT, "s")
-        ]  # fmt: skip
-    if work.fault == "stale reference":
-        expected = stale(stored)
+    computations = {name: partial(exudyn_times, sets[name]) for name in SETS}
+    expected, findings = expected_times(
+        work, computations, stored_times(), code="exudyn", which=-1, agreement=AGREEMENT
+    )
     rows = compare(sets, expected, _late_onset if work.fault == "late onset" else uqfold_time)
     table = Table.of("Deployment times by uqfold and by exudyn", rows)
     return Measurement([*judge(rows), *findings], [table])

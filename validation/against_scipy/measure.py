@@ -24,10 +24,10 @@ import numpy as np
 
 from uqfold.mechanism import WingParameters, deployment_times
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.mechanism.faulty import late_onset, stale
+from validation.mechanism.faulty import late_onset
 from validation.mechanism.independent import deployment_time
 from validation.mechanism.parameter_sets import parameter_sets
-from validation.mechanism.stored_times import read_rows, write_rows
+from validation.mechanism.stored_times import expected_times, read_rows, write_rows
 
 TOLERANCE = 1e-12
 """Local error per step of uqfold (m)."""
@@ -153,18 +153,10 @@ def measure(work: Work) -> Measurement:
     sets = parameter_sets()
     if work.tier == "quick":
         sets = dict(list(sets.items())[::6])
-    stored = stored_times()
-    expected: Mapping[str, Sequence[float]] = stored
-    findings = []
-    if work.tier == "full":
-        expected = work.parts({name: partial(scipy_times, wing) for name, wing in sets.items()})
-        changes = [abs(expected[name][0] - stored[name][0]) for name in sets]
-        findings = [
-            Finding("largest change of SciPy's times since they were stored", max(changes),
-                    AGREEMENT, "s")
-        ]  # fmt: skip
-    if work.fault == "stale reference":
-        expected = stale(stored)
+    computations = {name: partial(scipy_times, wing) for name, wing in sets.items()}
+    expected, findings = expected_times(
+        work, computations, stored_times(), code="SciPy", which=0, agreement=AGREEMENT
+    )
     rows = compare(sets, expected, _late_onset if work.fault == "late onset" else uqfold_times)
     table = Table.of("Deployment times by uqfold and by SciPy", rows)
     return Measurement([*judge(rows), *findings], [table])

@@ -121,7 +121,7 @@ class Wing:
             else:
                 slip = along.imag + R_j * y[8] - (p.R_b * y[5] if which == 0 else 0.0)
             loss = self.hysteresis * along.real / started
-            F_N = max(0.0, self.K[which] * depth**1.5 * (1 + loss))
+            F_N = max(0.0, self.K[which] * depth * math.sqrt(depth) * (1 + loss))
             F_T = p.C_f * ramp(abs(slip), p.friction_v_0, p.friction_v_1) * F_N
             F = n * complex(F_N, F_T * math.copysign(1.0, slip))
             push_rod(-F, half + R_j * n)

@@ -92,7 +92,11 @@ class Solver:
 
     def _plain(self, wing: WingParameters) -> float:
         tolerances = self.rtol, self.atol, math.inf
-        return independent.deployment_time(wing, *tolerances, method=self.method)
+        try:
+            return independent.deployment_time(wing, *tolerances, method=self.method)
+        except (OverflowError, ValueError):
+            # the solver went where Python's functions are not defined
+            return math.nan
 
     def _compiled(self, wing: WingParameters) -> float:
         [row] = Wings(wing).table()
