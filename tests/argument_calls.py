@@ -224,6 +224,12 @@ def calls(folder: Path) -> dict[str, Call]:
     slopes = pd.DataFrame([slope | {"per_std": 1.0, "per_std_error": 0.1}])
     index = {"label": "mc", "input": "a", "order": "main", "index": 0.5}
     indices = pd.DataFrame([index | {"ci_low": 0.4, "ci_high": 0.6}])
+    curve_options = {
+        "curves": optional(choice("missions")),
+        "check": optional(text("mc")).also("text"),
+        "paired": optional(thing(None)),
+        "smallest_pf": optional(number(0.01)),
+    }
     axes, page = plots.error_against_evaluations(frame), report.Page("some")
     wing = mechanism.WingParameters(t_max=0.01)
     finding = validation.Finding("error", 0.5, 1.0)
@@ -791,6 +797,25 @@ def calls(folder: Path) -> dict[str, Call]:
         "plots.design": Call(plots.design, {"table": thing(designs)}),
         "plots.figure_settings": Call(plots.figure_settings, {}),
         "plots.independence_panels": Call(plots.independence_panels, {"table": thing(separate)}),
+        "plots.reliability": Call(
+            plots.reliability,
+            {
+                "frame": thing(frame),
+                "quantity": choice("pf"),
+                "ax": optional(thing(axes)),
+                **curve_options,
+            },
+        ),
+        "plots.reliability_panels": Call(
+            plots.reliability_panels,
+            {
+                "frame": thing(frame),
+                "quantities": thing(["pf"]),
+                "panels": optional(choice("missions")),
+                "names": optional(thing(["some"]).also("empty list")),
+                **curve_options,
+            },
+        ),
         "plots.sobol": Call(plots.sobol, {"table": thing(indices), "ax": optional(thing(axes))}),
         "plots.comparison": Call(plots.comparison, {"frame": thing(frame)}),
         "plots.error_against_evaluations": Call(

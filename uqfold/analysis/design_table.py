@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from uqfold.analysis.design import Design
 from uqfold.analysis.verification import verify_all
-from uqfold.checks import instance, listed
+from uqfold.checks import instance, listed, or_none
 from uqfold.evaluation import Evaluator
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.seeding import RandomSource
@@ -57,6 +57,8 @@ def designs_to_frame(
     import pandas as pd
 
     given = listed("designs", designs)
+    remedy = "give a method such as uqfold.methods.MonteCarlo(), or None"
+    or_none("verify_by", verify_by, instance, ReliabilityMethod, remedy)
     for i, one in enumerate(given):
         instance(
             f"designs[{i}]", one, Design, "give what design_threshold or design_input returned"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from uqfold.checks import or_none, several, whole
+from uqfold.checks import or_none, refused, several, whole
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
     CriteriaLike,
@@ -88,6 +88,8 @@ def independence(
     checked_problem(problem)
     grid = checked_criteria(problem, criteria)
     numbers = several("units", units, whole, at_least=1)
+    if not numbers:
+        raise refused("units", units, "give one number of units or more")
     draws = or_none("draws", draws, whole, at_least=2)
     per_draw = whole("per_draw", per_draw, at_least=1)
     chosen = checked_method(method) or FFNISaddlepoint()

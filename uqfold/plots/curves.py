@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from uqfold.checks import choice, refused
+from uqfold.checks import choice, instance, listed, or_none, real, refused, several, text
 from uqfold.plots.panels import GREY, axes_or_new, key, limit_pf, stacked
 from uqfold.plots.rows import distinct, having, joined, response_of, threshold_label, value_text
 from uqfold.plots.style import (
@@ -165,9 +165,13 @@ def reliability_panels(
     -------
     matplotlib.figure.Figure
     """
+    if not listed("quantities", quantities):
+        raise refused("quantities", quantities, "give one or more")
     for i, quantity in enumerate(quantities):
         choice(f"quantities[{i}]", quantity, LABELS)
+    or_none("names", names, several, text)
     drawing = _drawing(frame, curves, check, paired, smallest_pf)
+    or_none("panels", panels, choice, drawing.frame.columns)
     side_by_side = distinct(drawing.frame, panels)
     handles = list(_handles(drawing, quantities, names or drawing.problems))
     figure, grid = stacked([HEIGHTS[one] for one in quantities], len(side_by_side), handles)
@@ -198,8 +202,13 @@ def _drawing(
     paired: pd.DataFrame | None,
     smallest_pf: float | None,
 ) -> _Drawing:
-    frame = joined(frames, [*NEEDS, *([curves] if curves else [])])
-    frame = frame.sort_values("threshold", kind="stable")
+    import pandas as pd
+
+    frame = joined(frames, NEEDS).sort_values("threshold", kind="stable")
+    or_none("curves", curves, choice, frame.columns)
+    or_none("check", check, text)
+    or_none("paired", paired, instance, pd.DataFrame, "give rows of paired_differences")
+    or_none("smallest_pf", smallest_pf, real, above=0.0)
     drawn, marks = frame[frame["label"] != check], frame[frame["label"] == check]
     if drawn.empty:
         raise refused("check", check, "there is no curve besides its rows")
