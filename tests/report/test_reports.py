@@ -29,6 +29,11 @@ def frame() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="module")
+def small(frame: pd.DataFrame) -> pd.DataFrame:
+    return frame[frame["tau"].isna() & (frame["missions"] == "1") & (frame["threshold"] > 11.0)]
+
+
+@pytest.fixture(scope="module")
 def root(frame: pd.DataFrame) -> Element:
     return read(html_of(frame))
 
@@ -103,17 +108,17 @@ def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
     assert "References 1, 4, 5." in " ".join(section(root, "method-2").text.split())
 
 
-def test_folder_and_frame_give_one_report(frame: pd.DataFrame, tmp_path: Path) -> None:
-    write_records(frame, tmp_path)
-    assert html_of(tmp_path) == html_of(tmp_path / "comparison.json") == html_of(frame)
+def test_folder_and_frame_give_one_report(small: pd.DataFrame, tmp_path: Path) -> None:
+    write_records(small, tmp_path)
+    assert html_of(tmp_path) == html_of(tmp_path / "comparison.json") == html_of(small)
 
 
-def test_a_frame_without_its_header_still_gives_a_report(frame: pd.DataFrame) -> None:
-    bare = frame.copy()
+def test_a_frame_without_its_header_still_gives_a_report(small: pd.DataFrame) -> None:
+    bare = small.copy()
     bare.attrs.clear()
     root = read(html_of(bare))
     assert "not recorded" in section(root, "methods").text
-    assert len(cells(root, "all-answers")) == len(frame)
+    assert len(cells(root, "all-answers")) == len(small)
 
 
 def spoiled(value: Any) -> Any:
@@ -127,9 +132,9 @@ def spoiled(value: Any) -> Any:
 
 
 def test_records_full_of_markup_give_a_report_full_of_text(
-    frame: pd.DataFrame, tmp_path: Path
+    small: pd.DataFrame, tmp_path: Path
 ) -> None:
-    _, path = write_records(frame, tmp_path)
+    _, path = write_records(small, tmp_path)
     document = json.loads(path.read_text(encoding="utf-8"))
     columns = document["columns"]
     # whoever makes up a record can leave its digest out
@@ -140,7 +145,7 @@ def test_records_full_of_markup_give_a_report_full_of_text(
         entry["label"] += HOSTILE
     path.write_text(json.dumps(document), encoding="utf-8")
     root = read(html_of(path))
-    assert root.text.count(HOSTILE) > 100
+    assert root.text.count(HOSTILE) > 50
     assert len(root.all("script")) == 1
     assert root.all("img") == []
     (report, *_) = write_report(path, tmp_path / "report.md")
@@ -150,9 +155,9 @@ def test_records_full_of_markup_give_a_report_full_of_text(
     assert "<script" not in outside
 
 
-def test_nothing_that_records_name_is_imported(frame: pd.DataFrame, tmp_path: Path) -> None:
-    named = frame.assign(method="antigravity")
-    header = deepcopy(frame.attrs["uqfold-comparison"])
+def test_nothing_that_records_name_is_imported(small: pd.DataFrame, tmp_path: Path) -> None:
+    named = small.assign(method="antigravity")
+    header = deepcopy(small.attrs["uqfold-comparison"])
     for entry in header["methods"]:
         entry |= {"method": "antigravity", "settings": "this.that(import='antigravity')"}
     named.attrs["uqfold-comparison"] = header
@@ -190,10 +195,10 @@ def test_reports_of_unusual_comparisons(grid: Any, methods: Any, referenced: boo
     assert not re.search(r"(?<![\w-])nan(?!\w)", root.all("main")[0].text)
 
 
-def test_an_interrupted_comparison_says_what_is_missing(frame: pd.DataFrame) -> None:
-    part = frame[frame["label"].isin(["exact", "biased"])]
+def test_an_interrupted_comparison_says_what_is_missing(small: pd.DataFrame) -> None:
+    part = small[small["label"].isin(["exact", "biased"])]
     part.attrs["uqfold-comparison"] = {
-        **frame.attrs["uqfold-comparison"], "finished": ["exact", "biased"]
+        **small.attrs["uqfold-comparison"], "finished": ["exact", "biased"]
     }  # fmt: skip
     assert "Interrupted: no rows of sampled, broken." in html_of(part)
 

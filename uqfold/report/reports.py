@@ -53,13 +53,14 @@ def report_page(source: Source) -> Page:
     if hasattr(source, "columns"):
         from uqfold.report.comparison_page import comparison_page
 
-        source = checked_frame(source)
-        if len(source) > MOST_ROWS:
+        frame: pd.DataFrame = source
+        rows = len(frame.index)
+        if rows > MOST_ROWS:
             raise ValueError(
-                f"the comparison has {len(source):,} rows, a report shows {MOST_ROWS:,} at "
+                f"the comparison has {rows:,} rows, a report shows {MOST_ROWS:,} at "
                 "most: select thresholds or methods, as in frame[frame['label'] == 'mc']"
             )
-        return comparison_page(source)
+        return comparison_page(checked_frame(frame))
     from uqfold.report.validation_page import validation_page
 
     try:

@@ -399,6 +399,18 @@ def test_the_summary_fits_on_one_screen(name: str, opened: Open, files: dict[str
     assert bottom <= 800
 
 
+@pytest.mark.parametrize("name", ["comparison", "eight methods"])
+def test_the_table_of_methods_is_whole_at_1200_pixels(
+    name: str, opened: Open, files: dict[str, Path]
+) -> None:
+    """Its last column, the status, was cut off."""
+    driver = opened(files[name])
+    resize(driver, 1200, 800)
+    area = "const area = document.getElementById('methods-in-short');"
+    assert js(driver, f"{area} return area.scrollWidth <= area.clientWidth")
+    assert js(driver, f"{area} return area.querySelector('td').getBoundingClientRect().right > 0")
+
+
 @pytest.mark.parametrize("width", [320, 400, 768, 1280, 1920])
 @pytest.mark.parametrize("name", ["comparison", "validation", "hostile"])
 def test_no_width_makes_the_page_scroll_sideways(
