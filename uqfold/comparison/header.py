@@ -132,33 +132,24 @@ def bare_header(problem: str, methods: Mapping[str, str], seed: int) -> dict[str
     seed
         Seed of the methods.
     """
+    entry = _empty(FORM["methods"][0])
     return {
+        **_empty(FORM),
         "problem": problem,
         "response": "response",
-        "response_unit": "",
-        "system": None,
-        "criteria": [],
-        "methods": [
-            {
-                "label": label,
-                "method": name,
-                "title": "",
-                "settings": "",
-                "theory": {"summary": "", "equations": [], "references": []},
-            }
-            for label, name in methods.items()
-        ],
+        "methods": [{**entry, "label": label, "method": name} for label, name in methods.items()],
         "finished": list(methods),
         "seed": seed,
-        "max_evals": None,
-        "failed_runs": "",
-        "reference": None,
-        "command": "",
-        "date": "",
-        "machine": "",
-        "versions": {},
-        "source": {},
     }
+
+
+def _empty(form: Any) -> Any:
+    """Return what says nothing in a form."""
+    if isinstance(form, dict):
+        return {name: _empty(one) for name, one in form.items() if name is not str}
+    if isinstance(form, list):
+        return []
+    return "" if form is str else None
 
 
 def criteria_of(header: Mapping[str, Any]) -> Criteria:
