@@ -3,6 +3,7 @@
 import importlib.util
 import math
 import sys
+from html import unescape
 from pathlib import Path
 from types import ModuleType
 
@@ -46,7 +47,7 @@ def test_the_report_shows_every_figure(folder: Path) -> None:
     names = {picture.name for picture in page.pictures()}
     assert names == {path.stem for path in folder.glob("figures/*.png")}
     assert all(f"figures/{name}.png" in report for name in names)
-    assert report.startswith(f"# {page.title}\n")
+    assert unescape(report.splitlines()[0]) == f"# {page.title}"
 
 
 RUNS = pd.DataFrame(
