@@ -143,7 +143,8 @@ def evaluations_table(run: Run, *names: str) -> pd.DataFrame:
     known = frame[frame["reference_pf"].notna()]
     for problem, count in deployments.items():
         compared = set(asked[known.index[known["problem"] == problem]])
-        table.loc[(problem, "Monte Carlo, the reference"), list(compared)] = f"{int(count):,}"
+        if compared:
+            table.loc[(problem, "Monte Carlo, the reference"), list(compared)] = f"{int(count):,}"
     table = table.reset_index().rename(columns={"label": "method"})
     columns = {one: f"evaluations {one} synchronization" for one in ("without", "with")}
     table = table.rename(columns=columns).sort_values("problem", kind="stable")

@@ -2,13 +2,19 @@
 
 import importlib.util
 import math
+import re
 import sys
 from html import unescape
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
+
+from uqfold import plots
+from uqfold.report import Page
 
 STUDIES = Path(__file__).parents[2] / "studies"
 sys.path.append(str(STUDIES))
@@ -40,14 +46,69 @@ def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
     assert runner.differences(folder, study.tables, study.TOLERANCE, store) == []
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_the_report_shows_every_figure(folder: Path) -> None:
+Asked = dict[str, Any]
+"""Options of `plots.reliability_panels`, and the rows that it was to draw."""
+
+
+def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str, Asked]]:
+    """Make a page from committed tables; its curves are not drawn, but what they show is kept."""
+    asked: dict[int, Asked] = {}
+    figures: list[Figure] = []
+
+    def kept(frame: pd.DataFrame, quantities: Any = ("reliability",), **options: Any) -> Figure:
+        figures.append(Figure())
+        asked[id(figures[-1])] = {"rows": frame, "quantities": quantities, **options}
+        return figures[-1]
+
+    monkeypatch.setattr(plots, "reliability_panels", kept)
     page = loaded(folder).page(runner.read_run(folder))
+    named = {picture.name: picture.figure for picture in page.pictures()}
+    return page, {name: asked[id(one)] for name, one in named.items() if id(one) in asked}
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_the_report_shows_every_figure(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page, _ = shown(folder, monkeypatch)
     report = (folder / "report.md").read_text(encoding="utf-8")
     names = {picture.name for picture in page.pictures()}
     assert names == {path.stem for path in folder.glob("figures/*.png")}
     assert all(f"figures/{name}.png" in report for name in names)
     assert unescape(report.splitlines()[0]) == f"# {page.title}"
+
+
+@pytest.mark.parametrize(
+    ("study", "names"),
+    [
+        ("example-1", ["fig-12b", "fig-12c"]),
+        ("example-2", ["fig-14b-open", "fig-14b-crossed", "fig-14c-open", "fig-14c-crossed"]),
+    ],
+)
+def test_simulated_curves_stand_beside_several_missions_and_synchronization(
+    study: str, names: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, asked = shown(STUDIES / study, monkeypatch)
+    for name in names:
+        assert asked[name]["check"] == "mc"
+        simulated = asked[name]["rows"].query("label == 'mc'")
+        assert len(simulated) > 10
+        assert simulated["pf"].notna().all()
+
+
+@pytest.mark.parametrize(
+    ("study", "names"),
+    [("example-4", ["fig-16i", "fig-16j"]), ("example-5", ["fig-17i", "fig-17j"])],
+)
+def test_conditions_that_nearly_coincide_have_a_panel_of_their_difference(
+    study: str, names: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, asked = shown(STUDIES / study, monkeypatch)
+    assert all("difference" in asked[name]["quantities"] for name in names)
+
+
+def test_table_7_has_a_row_of_the_simulation_behind_the_reference() -> None:
+    """Example 3 has no Monte Carlo of its own: that of the reference is named with its runs."""
+    report = (STUDIES / "example-3" / "report.md").read_text(encoding="utf-8")
+    assert re.search(r"Monte Carlo, the reference \| [\d,]{7,}", report)
 
 
 RUNS = pd.DataFrame(
