@@ -220,7 +220,7 @@ def test_what_is_no_distribution_is_refused_by_name(distribution: Any) -> None:
             "scipy.stats.norm(0, 1)",
         ),
     ],
-    ids=_name,
+    ids=["rv_histogram", "gaussian_kde", "norm"],
 )
 def test_messages_on_distributions_of_scipy_say_what_to_do(distribution: Any, message: str) -> None:
     with pytest.raises(TypeError) as caught:
