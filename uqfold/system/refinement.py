@@ -115,6 +115,39 @@ class Need:
         return Need(self.level + 1, (*self.errors, self.errors[-1]))
 
 
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Where distributions are compared to see whether refinement still changes them.
+
+    Attributes
+    ----------
+    asked
+        Thresholds (T,) that matter; None: the whole distribution does.
+    alone
+        Whether the scores of the thresholds themselves are all that matters, as where no input is
+        shared; otherwise all scores that are no further out.
+    """
+
+    asked: FloatArray | None = None
+    alone: bool = False
+
+    def levels(self, distribution: TabulatedDistribution) -> FloatArray:
+        """Levels at which to compare, spread in the scores of a distribution."""
+        scores = _COMPARED_SCORES
+        if self.asked is not None:
+            own = np.interp(self.asked, distribution.levels, distribution.scores)
+            own = np.clip(own, scores[0], scores[-1])
+            farthest = min(max(float(np.abs(own).max()) + 1.5, 3.0), scores[-1])
+            scores = own if self.alone else farthest / scores[-1] * scores
+        inside = np.clip(scores, distribution.scores[0], distribution.scores[-1])
+        return np.interp(inside, distribution.scores, distribution.levels)
+
+    @property
+    def exact(self) -> FloatArray:
+        """Thresholds that tables are to hold exactly."""
+        return np.empty(0) if self.asked is None else self.asked
+
+
 UNKNOWN = Need(0, (math.inf,))
 """Of a direction that was not looked at."""
 
@@ -122,9 +155,9 @@ UNKNOWN = Need(0, (math.inf,))
 def refined(
     surface: Surface,
     axes: Axes,
-    together: int = 1,
-    asked: FloatArray | None = None,
-    most: float = math.inf,
+    together: int,
+    compared: Compared,
+    most: float,
 ) -> tuple[list[Need], Need]:
     """Needs of all directions across, and along each line (a rung of `STATIONS`).
 
@@ -138,8 +171,8 @@ def refined(
         The surface and its directions.
     together
         How many responses, units times missions, a system takes.
-    asked
-        Thresholds (T,) at which scores are compared; None: over the whole distribution.
+    compared
+        Where changes count.
     most
         Points beyond which no rule is worth looking for; directions not looked at by then have an
         infinite error.
@@ -152,9 +185,10 @@ def refined(
     for base in (np.zeros(d), across @ out):
         here, size = [], 1
         for direction in across.T:
-            here.append(_need(surface, axes, base, direction, asked) if size <= most else UNKNOWN)
+            known = size <= most
+            here.append(_need(surface, axes, base, direction, compared) if known else UNKNOWN)
             size *= LADDER[here[-1].level]
-        here.append(_along(surface, axes, base, asked))
+        here.append(_along(surface, axes, base, compared))
         needs = [a.together(b) for a, b in zip(needs, here, strict=True)] if needs else here
     shared = axes.shared.shape[0]
     for _ in range(2 if together > _MANY else 1):
@@ -170,60 +204,55 @@ def _need(
     axes: Axes,
     base: FloatArray,
     direction: FloatArray,
-    asked: FloatArray | None,
+    compared: Compared,
 ) -> Need:
     def found(level: int) -> _Distribution:
         nodes, weights = ladder_rule(level)
         starts = base + nodes[:, None] * direction
-        return _on_lines(surface, axes, (starts, weights), STATIONS[0], asked)
+        return _on_lines(surface, axes, (starts, weights), STATIONS[0], compared.exact)
 
     first = len(GAUSS)
     finer = found(first)
-    errors = [_distance(found(level), finer, asked) for level in range(first)]
+    errors = [_distance(found(level), finer, compared) for level in range(first)]
     for level, error in enumerate(errors):
         if error <= TOLERANCE:
             return Need(level, tuple(errors[: level + 1]))
     for level in range(first, first + len(EQUAL_STEPS) - 1):
         coarser, finer = finer, found(level + 1)
-        errors.append(_distance(coarser, finer, asked))
+        errors.append(_distance(coarser, finer, compared))
         if errors[-1] <= TOLERANCE:
             return Need(level, tuple(errors))
     return Need(len(LADDER) - 1, (*errors, errors[-1]))
 
 
-def _along(surface: Surface, axes: Axes, base: FloatArray, asked: FloatArray | None) -> Need:
+def _along(surface: Surface, axes: Axes, base: FloatArray, compared: Compared) -> Need:
     start = base[None, :], np.ones(1)
     errors: list[float] = []
-    finer = _on_lines(surface, axes, start, STATIONS[0], asked)
+    finer = _on_lines(surface, axes, start, STATIONS[0], compared.exact)
     for level in range(len(STATIONS) - 1):
-        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1], asked)
-        errors.append(_distance(coarser, finer, asked))
+        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1], compared.exact)
+        errors.append(_distance(coarser, finer, compared))
         if errors[-1] <= TOLERANCE:
             return Need(level, tuple(errors))
     return Need(len(STATIONS) - 1, (*errors, errors[-1]))
 
 
 def _on_lines(
-    surface: Surface, axes: Axes, starts: Rule, stations: int, asked: FloatArray | None
+    surface: Surface, axes: Axes, starts: Rule, stations: int, exact: FloatArray
 ) -> _Distribution:
     positions = np.linspace(-REACH, REACH, stations)
     points = (starts[0][:, None, :] + positions[:, None] * axes.along).reshape(-1, axes.along.size)
-    exact = np.empty(0) if asked is None else asked
     lines = LineRule(points, starts[1], positions, asked=exact)
     found = lines.response(surface(points)).distribution
     assert isinstance(found, TabulatedDistribution | AtomicDistribution)
     return found
 
 
-def _distance(one: _Distribution, other: _Distribution, asked: FloatArray | None) -> float:
-    """Largest difference of normal scores, at what is asked or over body and tails."""
+def _distance(one: _Distribution, other: _Distribution, compared: Compared) -> float:
+    """Largest difference of normal scores where it counts."""
     if isinstance(one, AtomicDistribution) or isinstance(other, AtomicDistribution):
         return 0.0 if type(one) is type(other) else math.inf
-    scores = _COMPARED_SCORES
-    if asked is not None:
-        scores = np.clip(np.interp(asked, other.levels, other.scores), scores[0], scores[-1])
-    inside = np.clip(scores, other.scores[0], other.scores[-1])
-    levels = np.interp(inside, other.scores, other.levels)
+    levels = compared.levels(other)
     return float(np.abs(one.score(levels) - other.score(levels)).max())
 
 

@@ -17,6 +17,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.drawn_rules import DrawnRules
+from uqfold.system.refinement import Compared
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -118,18 +119,19 @@ class SurfaceSystem:
         most = units * max((one.max_missions for one in criteria), default=1)
         max_points = min(max_points, _MOST_NUMBERS // dimension)
         asked = _thresholds(criteria)
-        # under tau every response matters, not those at the thresholds alone
-        whole = any(one.tau is not None for one in criteria)
+        # with a shared input or tau, responses matter that lie between the thresholds and the body
+        alone = together and all(one.tau is None for one in criteria)
         plan = plan_surface(
             surface, dimension, 0 if together else n_shared, most,
-            asked=asked if together and not whole else None, max_points=max_points,
+            compared=Compared(asked, alone), max_points=max_points,
         )  # fmt: skip
         if not complete:
             plan = plan.for_outcomes()
         rule = plan.rule(max_points, asked)
         quadrature = cls(rule, plan.coarse_rule(asked), units, together)
         own = dimension - plan.axes.shared.shape[0]
-        if own < _MISLEADING and (rule.resolved or own == 1):
+        # where responses are missing no error is stated: a better rule would gain nothing
+        if not complete or (own < _MISLEADING and (rule.resolved or own == 1)):
             return quadrature
         drawn = DrawnRules.of(surface, plan, asked)
         # the same without tau is told at a fraction of the cost

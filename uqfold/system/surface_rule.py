@@ -24,7 +24,7 @@ from uqfold.system.cross_rules import (
     quasi_random_rule,
 )
 from uqfold.system.lines import REACH, LineRule
-from uqfold.system.refinement import STATIONS, Axes, Need, Surface, refined
+from uqfold.system.refinement import STATIONS, Axes, Compared, Need, Surface, refined
 from uqfold.typing import FloatArray, IntArray
 
 __all__ = ["MAX_POINTS", "Surface", "SurfacePlan", "SurfaceRule", "plan_surface"]
@@ -218,7 +218,7 @@ def plan_surface(
     n_shared: int,
     together: int = 1,
     *,
-    asked: FloatArray | None = None,
+    compared: Compared | None = None,
     max_points: int = MAX_POINTS,
 ) -> SurfacePlan:
     """Find out how finely a surface must be known.
@@ -236,8 +236,8 @@ def plan_surface(
         How many of them, the first ones, are shared; fewer than d.
     together
         How many responses, units times missions, a system takes.
-    asked
-        Thresholds (T,) that matter; None: the whole distribution does.
+    compared
+        Where changes count; None: over the whole distribution.
     max_points
         Points that a rule may have.
 
@@ -248,12 +248,13 @@ def plan_surface(
     """
     if not 0 <= n_shared < dimension:
         raise ValueError(f"{n_shared} shared of {dimension} variables: one must be individual")
+    compared = Compared() if compared is None else compared
     principal = Axes.of(surface, dimension, n_shared)
     plans = []
     own = dimension - n_shared
     for first in range(own if own <= _MOST_LED else 1):
         axes = principal.led_by(first)
-        across, along = refined(surface, axes, together, asked, _HOPELESS * max_points)
+        across, along = refined(surface, axes, together, compared, _HOPELESS * max_points)
         plan = SurfacePlan(axes, tuple(across), along)
         error = plan.levels(max_points)[1]
         plans.append((error, first, plan))
