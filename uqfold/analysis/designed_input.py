@@ -7,6 +7,7 @@ them. Any other method is run at each value, with the same seed.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import get_args
@@ -37,8 +38,6 @@ _COVERED = 2.0 * DEFAULT_SPREAD
 _DRAWS = 20
 _T95 = 2.093
 """Student's quantile for a spread estimated from 20 draws."""
-_INTEGRATION_ERROR = 1e-4
-"""Error of the integration over the surface, in the reliability index."""
 _STREAM = 13
 
 
@@ -212,11 +211,13 @@ def _on_surface(
             mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
         )
         resolved &= system.rule.resolved
-        [found] = system.failures(mean, criteria, noise=fitted.noise)
+        responses = system.responses(mean, noise=fitted.noise)
+        [found] = system.failures_given(responses, criteria)
+        [missed] = system.integration_errors(responses, criteria)
         changes = system.changes(mean, drawn, criteria, noise=fitted.noise)[:, 0]
         pf[i], index[i] = found.pf, reliability_index(found)
-        spread[i] = fitted.overconfidence * float(changes.std(ddof=1))
-    reach = _T95 * np.hypot(spread, _INTEGRATION_ERROR)
+        spread[i] = math.hypot(fitted.overconfidence * float(changes.std(ddof=1)), missed)
+    reach = _T95 * spread
     note = "" if resolved else "the surface is not integrated accurately"
     scan = Scan(values, pf, ndtr(-index - reach), ndtr(-index + reach), (note,) * values.size)
     return scan, fitted.result[0]
