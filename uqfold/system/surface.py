@@ -17,7 +17,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.drawn_rules import DrawnRules
-from uqfold.system.refinement import Compared
+from uqfold.system.refinement import TOLERANCE, Compared
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -28,8 +28,9 @@ Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 # Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
 _MOST_NUMBERS = 20_000_000
 _MOST_EXACT = 50
-# Error of crossings and tables; and how much worse a rule may be than its last refinement showed.
-_ROUNDING, _CAUTION = 1e-4, 2.0
+# Error of crossings and tables; and how much worse a rule may be than its last refinement showed,
+# where the errors of all directions together exceed so many tolerances of one.
+_ROUNDING, _CAUTION, _MET = 1e-4, 2.0, 2.0
 # Parts of random lines whose scatter is measured, and Student's quantile for them over that of
 # the 20 draws behind the rest of the stated error.
 _GROUPS, _FEW_PARTS = 8, 1.13
@@ -246,11 +247,14 @@ class SurfaceSystem:
     def integration_errors(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices that the integration alone leaves.
 
-        Of quadrature: what refinement has still changed. Of lines drawn at random: the standard
-        error, from the scatter of the answers of eight parts of them.
+        Of quadrature: the tolerance of its refinement, or what this has still changed if that is
+        more; what else is asked makes no difference to a rule that meets the tolerance. Of lines
+        drawn at random: the standard error, from the scatter of the answers of eight parts.
         """
         if not responses.parts:
-            return np.full(len(criteria), max(_ROUNDING, _CAUTION * self.rule.error))
+            left = self.rule.error
+            error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
+            return np.full(len(criteria), error)
         indices = np.array(
             [
                 reliability_indices(self._answer(self.rule, part, criteria))
