@@ -44,14 +44,14 @@ def tables(run: Run) -> None:
     samples = run.choose(1024, 64)
     keep(run, "sobol-pick-freeze", "pick-freeze", pick_freeze(wing, samples, 8, **how))
 
-    T, tau, missions = run.choose(([0.55, 0.56, 0.57, 0.58], [None, 0.04], [1, 5]), (0.57, None, 1))
+    T, tau, missions = [0.55, 0.56, 0.57, 0.58], run.choose([None, 0.04], None), [1, 5]
     found = surface_derivatives(
         wing, criteria(T, tau, missions), KRIGING, inputs=run.choose(None, ["k_d"]), **how
     )
     keep(run, "on-surface", "kriging", found)
     T = run.choose([0.55, 0.56, 0.57], 0.55)
     systems = run.choose(150_000, 2_000)
-    found = score_derivatives(wing, criteria(T, tau, missions), systems, **how)
+    found = score_derivatives(wing, criteria(T, tau, run.choose(missions, 1)), systems, **how)
     keep(run, "simulated", "mc", found)
 
 
