@@ -293,7 +293,8 @@ def _tabulated(
     """Table of normal scores, without levels between which hardly any probability lies."""
     from scipy.special import ndtri
 
-    whole = below + above
+    # parts so far out that they hold no probability at all say nothing
+    whole = np.maximum(below + above, 1e-300)
     below, above = below / whole, above / whole
     score = np.where(below < above, ndtri(below), -ndtri(above))
     kept: list[int] = []
