@@ -43,8 +43,9 @@ def colored(axes: Axes, color: str) -> list[Any]:
 
 def drawn(axes: Axes, label: str, labels: list[str]) -> list[tuple[float, float]]:
     """Places of the markers of a method."""
-    lines = colored(axes, plots.method_styles(labels)[label].color)
-    marked = [line for line in lines if line.get_marker() not in ("None", "")]
+    style = plots.method_styles(labels)[label]
+    # caps of error bars are markers, too
+    marked = [line for line in colored(axes, style.color) if line.get_marker() == style.marker]
     points = np.array([xy for line in marked for xy in line.get_xydata()])
     return [(float(x), float(y)) for x, y in points if math.isfinite(x + y)]
 
