@@ -60,6 +60,11 @@ class ComparisonProgressBar(Progress):
             *columns, console=console, transient=True, disable=not console.is_terminal
         )  # fmt: skip
 
+    def stop(self) -> None:
+        """Stop; rich 13 would end even a bar that was never drawn with an empty line."""
+        if not self.disable:
+            super().stop()
+
     def get_renderables(self) -> Iterable[RenderableType]:
         """Return what is drawn: nothing as long as it may be over soon."""
         if time.monotonic() - self._since >= SHOW_AFTER_SECONDS:
