@@ -6,7 +6,7 @@ from typing import Any
 
 from uqfold.validation import CaseRecord, Claim, Finding, Measurement, Points, Table
 from uqfold.validation.case import Declaration, Fault
-from uqfold.validation.record import PlantedFault, StoredResult
+from uqfold.validation.record import PlantedFault
 
 DECLARED = Declaration(
     "a_case", "mechanism", "A case", "It is so.", "cross-code", "another code", "1e-9 s",
@@ -50,7 +50,6 @@ MADE: dict[str, Any] = {
     "versions": {"uqfold": "0.1.0", "numpy": "2.1.0"},
     "source": {"uqfold/mechanism": "0123456789abcdef"},
 }
-STORED = StoredResult("2025-12-31T00:00:00+00:00", (), (Finding("more", 1.0, 2.0),), 60.0, "x86_64")
 CLAIMS = (
     Claim("first", "It falls.", "Section 1", "never rises", identity=True),
     Claim("second", "It settles.", "Fig. 2", "within 1 % of the end"),
@@ -70,7 +69,6 @@ def full_record(**changes: Any) -> CaseRecord:
             PlantedFault(Fault("wrong sign", "the sign of friction"), "does not hold"),
             PlantedFault(Fault("stale reference", "an older table")),
         ),
-        "stored": STORED,
     }
     return CaseRecord(**{**fields, **changes})
 
@@ -81,4 +79,4 @@ def claims_record(rise: float = 0.0) -> CaseRecord:
         Finding("largest rise", rise, 1e-9, claim="first"),
         Finding("distance from the end", 0.02, 0.01, claim="second"),
     )
-    return full_record(measurement=Measurement(findings, claims=CLAIMS), stored=None)
+    return full_record(measurement=Measurement(findings, claims=CLAIMS))

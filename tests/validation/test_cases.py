@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from uqfold.validation import Work
 from uqfold.validation.case import Case, Fault, find_cases
-from uqfold.validation.changes import Changes, changes
+from uqfold.validation.kept import Changes, changes
 from uqfold.validation.measurement import claim_verdicts
 from uqfold.validation.record import read_case_record
-from uqfold.validation.runner import Validation, plant
+from uqfold.validation.runner import Validation, measuring
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
@@ -36,7 +37,9 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
     ],
 )
 def test_every_planted_fault_turns_the_verdict(name: str, fault: Fault) -> None:
-    found = plant(CASES[name], fault.name)
+    case = CASES[name]
+    work = Work("quick", fault.name, case.declared.seeds, case.settings)
+    found = measuring(case)(work)
     given = fault.given(found.verdict, claim_verdicts(found.claims, found.findings))
     assert given == fault.turns_to, [one.words for one in found.findings]
 

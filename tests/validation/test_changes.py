@@ -5,13 +5,13 @@ import pytest
 from tests.validation.records import claims_record, full_record
 from uqfold.validation import CaseRecord, Measurement
 from uqfold.validation.case import Fault
-from uqfold.validation.changes import Changes, changes
 from uqfold.validation.findings import Finding
-from uqfold.validation.record import PlantedFault, StoredResult
+from uqfold.validation.kept import Changes, changes
+from uqfold.validation.record import PlantedFault
 
 
 def record(*findings: Finding, **more: object) -> CaseRecord:
-    fields: dict[str, object] = {"stored": None, "tier": "quick", **more}
+    fields: dict[str, object] = {"tier": "quick", **more}
     return full_record(measurement=Measurement(findings), **fields)
 
 
@@ -74,19 +74,6 @@ def test_what_could_not_be_measured_or_noticed_is_broken() -> None:
     blind = (PlantedFault(Fault("wrong sign", "the response negated"), "holds"),)
     found = changes(record(KEPT), record(KEPT, faults=blind))
     assert found == Changes(broken=("the planted fault 'wrong sign' went unnoticed",))
-
-
-def test_full_findings_that_have_become_stale_change_no_verdict() -> None:
-    # "validate --quick" after any change of the code
-    broken = Finding("error of many runs", 3.0, 1.0)
-
-    def stored(current: bool) -> StoredResult:
-        changed = () if current else ("uqfold/methods",)
-        return StoredResult("2026-01-01T00:00:00+00:00", changed, (broken,), 1.0, "here")
-
-    kept, now = record(KEPT, stored=stored(True)), record(KEPT, stored=stored(False))
-    assert (kept.verdict, now.verdict) == ("does not hold", "holds")
-    assert changes(kept, now) == Changes()
 
 
 def test_without_a_kept_record_a_case_is_expected_to_hold() -> None:

@@ -2,10 +2,11 @@ from pathlib import Path
 
 from tests.validation.case_folder import DECLARED, MEASURE, make_case
 from tests.validation.records import full_record
+from uqfold.provenance import source_digest
 from uqfold.validation.case import Case, load_cases
-from uqfold.validation.check import discrepancies, fingerprint, report_discrepancies
+from uqfold.validation.kept import discrepancies, fingerprint, report_discrepancies
 from uqfold.validation.record import read_case_record, write_case_record
-from uqfold.validation.runner import Validation, changed_since, code_of
+from uqfold.validation.runner import FRAME, Validation, changed_since, sources
 
 
 def kept_case(cases: Path, out: Path) -> Case:
@@ -94,6 +95,6 @@ def test_declared_data_count_and_records_do_not(cases: Path, tmp_path: Path) -> 
 def test_drawing_and_printing_rooms_do_not_count(cases: Path) -> None:
     imports = "from uqfold.methods import available\nfrom uqfold.validation import Finding\n"
     [case] = load_cases(make_case(cases, measure=imports))
-    parts = set(code_of(case))
+    parts = set(source_digest(*sources(case), without=FRAME))
     assert {"uqfold/methods", "uqfold/system", "uqfold/evaluation"} <= parts
     assert not parts & {"uqfold/plots", "uqfold/report", "uqfold/cli", "uqfold/validation"}

@@ -1,4 +1,3 @@
-import dataclasses
 import json
 import math
 import sys
@@ -8,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.validation.records import FINDINGS, STORED, claims_record, full_record
+from tests.validation.records import claims_record, full_record
 from uqfold.validation import (
     Finding,
     Measurement,
@@ -18,27 +17,7 @@ from uqfold.validation import (
     record_schema,
 )
 from uqfold.validation.case import Fault
-from uqfold.validation.record import PlantedFault, StoredResult, write_case_record
-
-
-def test_verdict_rests_on_this_tier_and_on_the_full_one_of_the_same_code() -> None:
-    broken = (Finding("more", 3.0, 2.0),)
-    assert full_record().verdict == "holds"
-    current = dataclasses.replace(STORED, findings=broken)
-    assert full_record(stored=current).verdict == "does not hold"
-    outdated = full_record(stored=dataclasses.replace(current, changed=("uqfold/mechanism",)))
-    assert (outdated.verdict, outdated.judged) == ("holds", FINDINGS)
-    assert full_record(stored=None, measurement=Measurement(broken)).verdict == "does not hold"
-
-
-def test_the_full_tier_judges_what_a_shorter_one_cannot() -> None:
-    near, other = Finding("more", 1.9, 2.0, uncertainty=0.5), Finding("less", 1.9, 2.0)
-    record = full_record(measurement=Measurement((near, other)))
-    assert record.verdict == "holds"
-    assert record.judged == (other, *STORED.findings)
-    assert full_record(measurement=Measurement((near, other)), stored=None).verdict != "holds"
-    coarse = dataclasses.replace(STORED, findings=(near,))
-    assert full_record(measurement=record.measurement, stored=coarse).verdict != "holds"
+from uqfold.validation.record import PlantedFault, write_case_record
 
 
 def test_every_claim_of_a_case_has_its_own_verdict() -> None:
@@ -78,6 +57,13 @@ def test_a_record_comes_back_as_written(record: Any, tmp_path: Path) -> None:
     assert '"verdict"' in path.read_text("utf-8")
 
 
+def test_what_earlier_records_quote_of_the_full_tier_is_left_out(tmp_path: Path) -> None:
+    path = write_case_record(full_record(), tmp_path / "a.json")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(document | {"stored": {"date": "2025-12-31"}}), encoding="utf-8")
+    assert read_case_record(path) == full_record()
+
+
 def test_the_file_is_strict_json_in_short_lines(tmp_path: Path) -> None:
     def refuse(word: str) -> None:
         raise AssertionError(word)
@@ -90,7 +76,7 @@ def test_the_file_is_strict_json_in_short_lines(tmp_path: Path) -> None:
 
 def test_findings_keep_every_bit_and_their_nan(tmp_path: Path) -> None:
     findings = (Finding("a", math.nan, 1.0), Finding("b", 0.1 + 0.2, math.inf))
-    record = full_record(measurement=Measurement(findings), stored=None)
+    record = full_record(measurement=Measurement(findings))
     again = read_case_record(write_case_record(record, tmp_path / "a.json"))
     assert again.verdict == "does not hold"
     assert math.isnan(again.findings[0].value or 0.0)
@@ -116,7 +102,7 @@ FIRST = "measurement/findings/0"
         (_set("schema", "uqfold-validation/1"), "its schema is 'uqfold-validation/1', not"),
         (lambda d: d["case"].pop("claim"), r"the field case.claim is missing"),
         (_set("case/claims", "x"), "case.claims is no field here: do you mean 'claim'?"),
-        (_set("note", "x"), "it, field 'note', is not what the rest of it gives"),
+        (_set("note", "x"), "note is not what the rest of it gives"),
         (_set("case/claim", ""), "case.claim: String should have at least 1 character"),
         (_set("case/kind", "exact solutions"), "case.kind: Input should be .*'exact solution'"),
         (_set("case/name", "../../etc"), r"case.name: String should match pattern"),
@@ -128,7 +114,6 @@ FIRST = "measurement/findings/0"
         (_set(f"{FIRST}/value", "1e-9"), r"measurement.findings\[0\].value is not what"),
         (_set(f"{FIRST}/value", "x"), r"measurement.findings\[0\].value: Input should be a valid"),
         (_set(f"{FIRST}/what", ""), r"measurement.findings\[0\]: .*what = ''"),
-        (_set("stored/verdict", "cannot be judged"), "stored.verdict is not what"),
         (_set("measurement/tables/0/rows/0", ["a"]), r"rows\[0\] has 1 cells for 3 columns"),
         (_set("measurement/points/0/log", "z"), r"measurement.points\[0\].log: Input should be"),
     ],
@@ -174,11 +159,6 @@ def test_a_folder_is_read_in_order_of_topic_and_name(tmp_path: Path) -> None:
     assert [record.name for record in read_case_records(tmp_path)] == ["b", "a", "c"]
     with pytest.raises(RecordError, match="holds no records"):
         read_case_records(tmp_path / "empty")
-
-
-def test_a_stored_result_is_current_while_nothing_has_changed() -> None:
-    assert STORED.current
-    assert not StoredResult("2025-12-31", ("uqfold/methods",), (), 1.0, "x").current
 
 
 def test_the_former_name_of_the_room_is_understood_with_a_warning() -> None:

@@ -3,11 +3,10 @@ from pathlib import Path
 import pytest
 
 from tests.validation.case_folder import DECLARED, MEASURE, make_case
-from uqfold.validation import Measurement
-from uqfold.validation.case import Case, CaseError, load_cases
+from uqfold.validation.case import Case, load_cases
 from uqfold.validation.findings import Finding
-from uqfold.validation.record import read_case_record, write_case_record
-from uqfold.validation.runner import Validation, plant
+from uqfold.validation.record import read_case_record
+from uqfold.validation.runner import Validation
 
 COUNTED = """import pathlib
 COUNT = pathlib.Path(__file__).with_name("count.txt")
@@ -41,7 +40,6 @@ def test_a_record_says_all_that_the_case_declares(cases: Path, tmp_path: Path) -
     assert record.findings == (Finding("value", 1.0, 2.0), Finding("seed", 7.0))
     assert [fault.verdict for fault in record.faults] == [None]
     assert set(record.made["source"]) == {f"{cases.name}/a_case"}
-    assert record.stored is None
     assert told == [("a_case", 0, None)]
 
 
@@ -103,24 +101,3 @@ def test_a_full_run_goes_on_where_it_was_interrupted(cases: Path, tmp_path: Path
     (case.folder / "case.toml").write_text(DECLARED.replace("[7]", "[8]"))
     Validation("full", tmp_path).run(load_case(case.folder))
     assert counts(case) == 4
-
-
-def test_shorter_tiers_quote_the_stored_full_record(cases: Path, tmp_path: Path) -> None:
-    case = load_case(make_case(cases))
-    full = Validation("full", tmp_path).run(case)
-    write_case_record(full, case.kept("full"))
-    record = Validation("quick", tmp_path).run(case)
-    stored = record.stored
-    assert stored is not None
-    assert (stored.date, stored.current, stored.findings) == (full.date, True, full.findings)
-    (case.folder / "measure.py").write_text(MEASURE + "X = 1\n")
-    stored = Validation("quick", tmp_path).run(case).stored
-    assert stored is not None
-    assert (stored.current, stored.changed) == (False, (f"{cases.name}/a_case",))
-
-
-def test_planting_by_hand(cases: Path) -> None:
-    case = load_case(make_case(cases))
-    assert isinstance(plant(case, "too large"), Measurement)
-    with pytest.raises(CaseError, match="a_case declares no fault 'too small'"):
-        plant(case, "too small")

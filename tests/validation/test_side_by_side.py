@@ -8,34 +8,33 @@ import pytest
 
 from tests.validation.case_folder import DECLARED, MEASURE, make_case
 from uqfold.validation import side_by_side as module
-from uqfold.validation.case import find_cases
+from uqfold.validation.case import Case, Tier, find_cases
+from uqfold.validation.record import CaseRecord
 from uqfold.validation.runner import Validation
-from uqfold.validation.side_by_side import for_workers, side_by_side
+from uqfold.validation.side_by_side import side_by_side
 
 WHERE = MEASURE.replace('Finding("seed", work.seeds[0])', 'Finding("process", os.getpid())')
 
 
-def kept(root: Path, name: str, declared: str = DECLARED, measure: str = MEASURE) -> None:
-    [case] = find_cases(root, [make_case(root, name, declared, measure).name])
-    Validation("quick", case.folder).run(case)
-    (case.folder / f"{name}.json").rename(case.folder / "quick.json")
+@pytest.fixture(autouse=True)
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "WORTH", 1)
 
 
-def test_short_work_and_speeds_are_not_for_workers(
-    cases: Path, monkeypatch: pytest.MonkeyPatch
+def measured(found: list[Case], folder: Path, tier: Tier = "quick") -> dict[str, CaseRecord]:
+    pairs = side_by_side(Validation(tier, folder), found, lambda: None)
+    return {case.name: record for case, record in pairs}
+
+
+def test_few_cases_speeds_and_the_full_tier_are_not_for_workers(
+    cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("a", "b"):
-        kept(cases, name)
-    kept(cases, "speed", DECLARED.replace('"exact solution"', '"benchmark"'))
-    make_case(cases, "new")
-    found = find_cases(cases)
-    assert for_workers(found, "quick") == []
-    monkeypatch.setattr(module, "WORTH", 0.0)
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
-    assert sorted(case.name for case in for_workers(found, "quick")) == ["a", "b"]
-    assert for_workers(found, "full") == []
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    assert for_workers(found, "quick") == []
+    make_case(cases, "speed", DECLARED.replace('"exact solution"', '"benchmark"'))
+    assert measured(find_cases(cases), tmp_path) == {}
+    make_case(cases, "a")
+    assert measured(find_cases(cases), tmp_path, "full") == {}
+    monkeypatch.setattr(module, "WORTH", 2)
+    assert measured(find_cases(cases), tmp_path) == {}
 
 
 def test_workers_measure_what_one_process_measures(cases: Path, tmp_path: Path) -> None:
@@ -44,11 +43,7 @@ def test_workers_measure_what_one_process_measures(cases: Path, tmp_path: Path) 
     for name in names:
         broken = measure if name != "b" else "def measure(work):\n    raise ValueError('gone')\n"
         make_case(cases, name, measure=broken)
-    found = find_cases(cases)
-    records = {
-        case.name: record
-        for case, record in side_by_side(Validation("quick", tmp_path), found, lambda: None)
-    }
+    records = measured(find_cases(cases), tmp_path)
     assert sorted(records) == names
     assert records["b"].error == "ValueError: gone"
     assert records["a"].verdict == records["c"].verdict == "holds"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import uqfold
 from uqfold.cli.invocation import Invocation, flag, option, usage
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def validate_cases(
     """Measure validation cases."""
     from uqfold.cli import validation_session as session
     from uqfold.validation.case import find_cases
+    from uqfold.validation.runner import Validation
 
     if quick and full:
         raise typer.BadParameter("--quick and --full: give one of them")
@@ -80,7 +82,7 @@ def validate_cases(
         raise typer.BadParameter(
             "--update and --stale are for the tiers whose records are kept: add --quick or --full"
         )
-    found = usage(find_cases, cases or session.default_cases(), names or ())
+    found = usage(find_cases, cases or _default_cases(), names or ())
     if show:
         session.print_cases(found)
         return
@@ -92,8 +94,13 @@ def validate_cases(
         if not found:
             return
     name = "validation" if tier == "default" else f"validation-{tier}"
-    folder = Path("uqfold-results", name) if out is None else out
     planted = update or not quick if faults is None else faults
+    validation = Validation(tier, out or Path("uqfold-results", name), planted)
     invocation: Invocation = context.obj
-    measuring = session.ValidationSession(found, tier, folder, invocation, planted, update)
-    raise typer.Exit(measuring.run())
+    raise typer.Exit(session.ValidationSession(found, validation, invocation, update).run())
+
+
+def _default_cases() -> Path:
+    """Return the folder of the cases: here, or beside the installed package (a clone)."""
+    here = Path("validation")
+    return here if here.is_dir() else Path(uqfold.__file__).resolve().parents[1] / "validation"

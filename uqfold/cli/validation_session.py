@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-import uqfold
 from uqfold.cli.compare import say, stdout_console
 from uqfold.cli.invocation import Invocation
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
 from uqfold.report.progress import ComparisonProgressBar
-from uqfold.report.reports import KEPT_REPORT, kept_records, write_kept_report
+from uqfold.report.reports import KEPT_REPORT, write_kept_report
 from uqfold.report.validation_page import validation_page
-from uqfold.report.verdicts import kept_text, print_verdicts, stale_text
+from uqfold.report.verdicts import kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
-from uqfold.validation.changes import Changes, changes
-from uqfold.validation.check import KEPT_TIERS, discrepancies, kept_record, report_discrepancies
+from uqfold.validation.kept import (
+    KEPT_TIERS,
+    Changes,
+    changes,
+    discrepancies,
+    kept_record,
+    kept_records,
+    report_discrepancies,
+)
 from uqfold.validation.record import CaseRecord, read_case_records, write_case_record
 from uqfold.validation.runner import Validation
-from uqfold.validation.side_by_side import for_workers, side_by_side
+from uqfold.validation.side_by_side import side_by_side
 from uqfold.writing import check_writable
 
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
@@ -32,30 +37,30 @@ EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
 @dataclass
 class ValidationSession:
-    """Cases under way: how thoroughly, where records go, and whether faults are planted."""
+    """Cases under way: how they are measured, and whether the records become the kept ones."""
 
     cases: Sequence[Case]
-    tier: Tier
-    folder: Path
+    validation: Validation
     invocation: Invocation
-    faults: bool = False
     update: bool = False
-    records: list[CaseRecord] = field(default_factory=list, init=False)
     changes: dict[str, Changes] = field(default_factory=dict, init=False)
 
     def run(self) -> int:
         """Measure all cases and report; return the exit code of the program."""
-        check_writable(self.folder)
+        check_writable(self.validation.folder)
+        records: dict[str, CaseRecord] = {}
         interrupted = False
         try:
-            self._measure()
+            for case, record in self._measured():
+                records[case.name] = record
+                self._keep(case, record)
         except KeyboardInterrupt:
             resume = shlex.join(["uqfold", *self.invocation.words])
-            done = f"{len(self.records)} of {len(self.cases)} cases are finished and kept"
+            done = f"{len(records)} of {len(self.cases)} cases are finished and kept"
             say(f"interrupted: {done}; to go on: {resume}")
             interrupted = True
-        if self.records:
-            self._report()
+        if records:
+            self._report([records[case.name] for case in self.cases if case.name in records])
         if interrupted:
             return EXIT_INTERRUPTED
         if any(found.broken for found in self.changes.values()):
@@ -64,57 +69,49 @@ class ValidationSession:
         changed = any(found.verdicts for found in self.changes.values())
         return EXIT_CHANGED if changed and not self.update else 0
 
-    def _measure(self) -> None:
-        names = [case.name for case in self.cases]
-        with ComparisonProgressBar(names, Console(stderr=True), unit="parts") as bar:
+    def _measured(self) -> Iterator[tuple[Case, CaseRecord]]:
+        """Measure case by case, those that may run side by side first."""
+        wake = self.invocation.interrupts.check
+        left = {case.name: case for case in self.cases}
+        with ComparisonProgressBar([*left], Console(stderr=True), unit="parts") as bar:
 
             def progress(name: str, done: int, total: int | None) -> None:
-                self.invocation.interrupts.check()
+                wake()
                 bar(name, done, total)
 
-            validation = Validation(self.tier, self.folder, self.faults, progress)
-            left = {case.name: case for case in self.cases}
-            several = for_workers(self.cases, self.tier)
-            for case, record in side_by_side(validation, several, self.invocation.interrupts.check):
+            measuring = replace(self.validation, progress=progress)
+            for case, record in side_by_side(measuring, self.cases, wake):
                 bar(case.name, 0, None)
-                self._keep(left.pop(case.name), record)
+                del left[case.name]
+                yield case, record
             for case in left.values():
-                record = validation.run(case)
+                record = measuring.run(case)
                 # what was interrupted may look finished where a library swallowed it
-                self.invocation.interrupts.check()
-                self._keep(case, record)
+                wake()
+                yield case, record
 
     def _keep(self, case: Case, record: CaseRecord) -> None:
-        self.records.append(record)
-        self.changes[case.name] = changes(kept_record(case, self.tier), record)
-        if self.update and self.tier in KEPT_TIERS:
-            write_case_record(record, case.kept(self.tier))
+        self.changes[case.name] = changes(kept_record(case, record.tier), record)
+        if self.update and record.tier in KEPT_TIERS:
+            write_case_record(record, case.kept(record.tier))
 
-    def _report(self) -> None:
+    def _report(self, records: Sequence[CaseRecord]) -> None:
         """Print what came out, and write the report on all records of the folder."""
-        names = [case.name for case in self.cases]
-        self.records.sort(key=lambda record: names.index(record.name))
+        folder = self.validation.folder
         out = stdout_console(quiet=False)
-        print_verdicts(out, self.records)
-        lines = [f"\nkept records: {kept_text(list(self.changes.values()))}"]
-        lines += [
-            f"  {name}: {text}" for name, found in self.changes.items() for text in found.words
-        ]
-        lines += [text for text in [stale_text(self.records)] if text]
-        lines.append(f"\nrecords: {shown_path(self.folder)}")
-        report = self.folder / "report.html"
-        written = validation_page(read_case_records(self.folder), self.changes).write(report)
+        print_verdicts(out, records)
+        page = validation_page(read_case_records(folder), self.changes)
+        written = page.write(folder / "report.html")
         if self.update:
             written += write_kept_report(self.cases[0].folder.parent)[:1]
-        lines += [f"report: {shown_path(path)}" for path in written]
+        lines = [
+            f"\nkept records: {kept_text(list(self.changes.values()))}",
+            *(f"  {name}: {text}" for name, one in self.changes.items() for text in one.words),
+            f"\nrecords: {shown_path(folder)}",
+            *(f"report: {shown_path(path)}" for path in written),
+        ]
         for text in lines:
             out.print(text, highlight=False, markup=False, soft_wrap=True)
-
-
-def default_cases() -> Path:
-    """Return the folder of the cases: here, or beside the installed package (a clone)."""
-    here = Path("validation")
-    return here if here.is_dir() else Path(uqfold.__file__).resolve().parents[1] / "validation"
 
 
 def print_cases(cases: Sequence[Case]) -> None:

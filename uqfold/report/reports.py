@@ -13,8 +13,7 @@ from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.records import JSON_NAME, read_records
 from uqfold.report.page.builder import Format, Page
-from uqfold.validation.case import find_cases
-from uqfold.validation.check import KEPT_TIERS
+from uqfold.validation.kept import kept_records
 from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
 
 if TYPE_CHECKING:
@@ -104,13 +103,6 @@ def write_report(
     checked_path("path", path)
     or_none("format", format, choice, get_args(Format))
     return report_page(source).write(path, format=format)
-
-
-def kept_records(cases: Path) -> list[CaseRecord]:
-    """Read the records kept beside the cases of a folder: of each case the most thorough one."""
-    kept = ([case.kept(tier) for tier in KEPT_TIERS[::-1]] for case in find_cases(cases))
-    first = (next((path for path in paths if path.is_file()), None) for paths in kept)
-    return [read_case_record(path) for path in first if path is not None]
 
 
 def write_kept_report(cases: Path) -> list[Path]:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from uqfold.plots import points
 from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Tone
+from uqfold.report.page.cells import Tone, value_text
 from uqfold.report.page.markup import literal
-from uqfold.validation.findings import VERDICT_RULE, Finding, number
+from uqfold.validation.findings import VERDICT_RULE, Finding
 from uqfold.validation.measurement import Points, Table
-from uqfold.validation.record import CaseRecord
+from uqfold.validation.record import CaseRecord, PlantedFault
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,16 +53,18 @@ def case_section(page: Page, record: CaseRecord) -> None:
     }
     page.facts({name: literal(fact) for name, fact in facts.items()})
     _claims(page, record)
-    own = [one for one in record.findings if not one.claim]
-    if own:
-        _findings(page, own, f"Findings: {case.title}")
-    _stored(page, record)
+    _findings(page, [one for one in record.findings if not one.claim], f"Findings: {case.title}")
     for i, one in enumerate(record.measurement.points, start=1):
         page.figure(points_axes(one), one.title, name=f"{record.name}-{i}")
     for table in record.measurement.tables:
-        _table(page, table)
+        if len(table.rows) <= _UNFOLDED_ROWS:
+            page.table(_frame(table), table.title)
+        else:
+            with page.details(f"{table.title} ({len(table.rows)} rows)"):
+                page.table(_frame(table), table.title)
     if record.faults:
-        page.table(_faults(record), f"Faults planted to see whether it can fail: {case.title}")
+        title = f"Faults planted to see whether it can fail: {case.title}"
+        page.table(_without_empty("claims", map(_fault, record.faults)), title)
     with page.details("How it was measured"):
         _made(page, record)
 
@@ -77,99 +79,83 @@ def _claims(page: Page, record: CaseRecord) -> None:
     claims = record.measurement.claims
     if not claims:
         return
-    verdicts = record.claims
-    said = {one.key: f"{verdicts[one.key]}{' (an identity)' * one.identity}" for one in claims}
+    said = {one.key: f"{record.claims[one.key]}{' (an identity)' * one.identity}" for one in claims}
     rows = [
         {"claim": one.statement, "where": one.source, "verdict": said[one.key]} for one in claims
     ]
     page.table(pd.DataFrame(rows), f"{record.case.title} one by one", tones=VERDICT_TONES)
     for one in claims:
-        tone = VERDICT_TONES[verdicts[one.key]]
+        tone = VERDICT_TONES[record.claims[one.key]]
         page.section(one.key, level=3, label=said[one.key], tone=tone, name=f"claim-{one.key}")
         page.text(literal(f"{one.statement} ({one.source})"))
         page.text(literal(f"Rule: {one.rule}."))
-        found = [finding for finding in record.judged if finding.claim == one.key]
+        found = [finding for finding in record.findings if finding.claim == one.key]
         _findings(page, found, f"Findings on the claim {one.key!r}")
 
 
 def _findings(page: Page, findings: Iterable[Finding], title: str) -> None:
-    rows = []
-    for one in findings:
-        unit = f" {one.unit}" if one.unit else ""
-        spread = "" if one.uncertainty is None else f" ± {number(one.uncertainty)}"
-        value = "not measured" if one.value is None else f"{number(one.value)}{spread}{unit}"
-        bound = "at least" if one.at_least else "at most"
-        limit = "quoted only" if one.limit is None else f"{bound} {number(one.limit)}{unit}"
-        rows.append(
-            {
-                "finding": one.what,
-                "measured": value,
-                "limit": limit,
-                "verdict": one.verdict or "–",
-                "remark": one.remark,
-            }
-        )
-    frame = pd.DataFrame(rows)
-    shown = frame if frame["remark"].any() else frame.drop(columns="remark")
-    page.table(shown, title, tones=VERDICT_TONES)
+    rows = [
+        {
+            "finding": one.what,
+            "measured": _value(one),
+            "limit": _limit(one),
+            "verdict": one.verdict or "–",
+            "remark": one.remark,
+        }
+        for one in findings
+    ]
+    if rows:
+        page.table(_without_empty("remark", rows), title, tones=VERDICT_TONES)
 
 
-def _stored(page: Page, record: CaseRecord) -> None:
-    stored = record.stored
-    if stored is None:
-        return
-    state = (
-        "with the same code, so they count too"
-        if stored.current
-        else f"with other code ({', '.join(stored.changed)}), so they are only quoted"
-    )
-    said = f"The full tier, measured {stored.date[:10]} in {seconds_text(stored.seconds)} {state}:"
-    page.text(literal(said))
-    _findings(page, stored.findings, f"Findings of the full tier: {record.case.title}")
+def _value(one: Finding) -> str:
+    if one.value is None:
+        return "not measured"
+    spread = "" if one.uncertainty is None else f" ± {value_text(one.uncertainty)}"
+    return f"{value_text(one.value) or 'NaN'}{spread} {one.unit}".rstrip()
 
 
-def _table(page: Page, table: Table) -> None:
-    if len(table.rows) <= _UNFOLDED_ROWS:
-        page.table(_frame(table), table.title)
-        return
-    with page.details(f"{table.title} ({len(table.rows)} rows)"):
-        page.table(_frame(table), table.title)
+def _limit(one: Finding) -> str:
+    if one.limit is None:
+        return "quoted only"
+    bound = "at least" if one.at_least else "at most"
+    return f"{bound} {value_text(one.limit)} {one.unit}".rstrip()
+
+
+def _fault(one: PlantedFault) -> dict[str, Any]:
+    noticed = "not planted in this run"
+    if one.verdict is not None:
+        noticed = f"{'noticed' if one.caught else 'unnoticed'}: {one.verdict}"
+    return {
+        "planted fault": one.fault.name,
+        "what is made wrong": one.fault.what,
+        "claims": ", ".join(one.fault.claims),
+        "noticed": noticed,
+    }
+
+
+def _without_empty(column: str, rows: Iterable[dict[str, Any]]) -> pd.DataFrame:
+    """Return the rows as a frame, without a column in which nothing stands."""
+    frame = pd.DataFrame(list(rows))
+    return frame if frame[column].any() else frame.drop(columns=column)
 
 
 def _frame(table: Table) -> pd.DataFrame:
     return pd.DataFrame(list(table.rows), columns=list(table.columns))
 
 
-def _faults(record: CaseRecord) -> pd.DataFrame:
-    rows = []
-    for one in record.faults:
-        noticed = "not planted in this run"
-        if one.verdict is not None:
-            noticed = f"{'noticed' if one.caught else 'unnoticed'}: {one.verdict}"
-        rows.append(
-            {
-                "planted fault": one.fault.name,
-                "what is made wrong": one.fault.what,
-                "claims": ", ".join(one.fault.claims),
-                "noticed": noticed,
-            }
-        )
-    frame = pd.DataFrame(rows)
-    return frame if frame["claims"].any() else frame.drop(columns="claims")
-
-
 def _made(page: Page, record: CaseRecord) -> None:
     made = record.made
     page.code(made["command"])
+    versions = [f"{name} {version}" for name, version in made["versions"].items()]
+    digests = [f"{part} {digest[:12]}" for part, digest in made["source"].items()]
     facts = {
         "case": record.name,
         "tier": record.tier,
         "seeds": ", ".join(map(str, record.case.seeds)) or "nothing is random",
         "measured": f"{record.date}, in {seconds_text(record.seconds)}",
         "machine": made["machine"],
-        "versions": ", ".join(f"{name} {version}" for name, version in made["versions"].items()),
-        "code, with digests": ", ".join(
-            f"{part} {digest[:12]}" for part, digest in made["source"].items()
-        ),
+        "versions": ", ".join(versions),
+        "code, with digests": ", ".join(digests),
     }
     page.facts({name: literal(fact) for name, fact in facts.items() if fact})

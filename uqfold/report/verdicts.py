@@ -1,4 +1,4 @@
-"""Verdicts of validation cases on the terminal: one line per case, then what does not hold."""
+"""Verdicts of validation cases in words, for pages and the terminal."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from rich.table import Table
 from rich.text import Text
 
 from uqfold.plots.wording import seconds_text
-from uqfold.validation.changes import Changes
+from uqfold.validation.findings import Verdict
+from uqfold.validation.kept import Changes
 from uqfold.validation.record import CaseRecord
 
-VERDICT_STYLES = {
+VERDICT_STYLES: dict[Verdict, str] = {
     "holds": "green",
     "does not hold": "bold red",
     "cannot be judged": "yellow",
@@ -30,13 +31,11 @@ def print_verdicts(console: Console, records: Sequence[CaseRecord]) -> None:
     for name in ("judged", "time"):
         table.add_column(name, justify="right", no_wrap=True)
     for record in records:
-        judged = [finding for finding in record.judged if finding.verdict is not None]
-        kept = sum(finding.verdict == "holds" for finding in judged)
         table.add_row(
             Text(record.case.topic, "dim"),
             record.name,
             Text(record.verdict, VERDICT_STYLES[record.verdict]),
-            f"{kept} of {len(judged)}",
+            limits_text(record),
             seconds_text(record.seconds),
         )
     console.print(table)
@@ -49,6 +48,18 @@ def print_verdicts(console: Console, records: Sequence[CaseRecord]) -> None:
             console.print(Padding(Text(record.case.claim), (0, 0, 0, 2)))
         for text in said:
             console.print(Padding(Text(f"- {text}"), (0, 0, 0, 2)))
+
+
+def limits_text(record: CaseRecord) -> str:
+    """Return how many of the limits that were judged are kept."""
+    judged = [one.verdict for one in record.findings if one.verdict is not None]
+    return f"{judged.count('holds')} of {len(judged)}"
+
+
+def faults_text(records: Sequence[CaseRecord]) -> str:
+    """Return how many of the planted faults were noticed."""
+    planted = [one.caught for record in records for one in record.faults if one.caught is not None]
+    return f"{sum(planted)} of {len(planted)}" if planted else "not planted"
 
 
 def kept_text(changes: Sequence[Changes]) -> str:
@@ -65,41 +76,26 @@ def kept_text(changes: Sequence[Changes]) -> str:
 
 
 def counts_text(records: Sequence[CaseRecord]) -> str:
-    """Return the number of cases by verdict, and of planted faults that were caught."""
-    counts: Counter[str] = Counter(record.verdict for record in records)
-    words = [f"{counts[verdict]} {verdict}" for verdict in VERDICT_STYLES if counts[verdict]]
-    text = f"{len(records)} cases: {', '.join(words)}"
+    """Return the number of cases by verdict, and of planted faults that were noticed."""
+    text = f"{len(records)} cases: {_listed([record.verdict for record in records])}"
     for record in records:
         if record.claims:
-            of_claims = Counter(record.claims.values())
-            listed = ", ".join(f"{count} {verdict}" for verdict, count in of_claims.items())
-            text += f"; {len(record.claims)} claims of {record.name}: {listed}"
-    planted = [one for record in records for one in record.faults if one.caught is not None]
-    if planted:
-        caught = sum(one.caught is True for one in planted)
-        text += f"; {caught} of {len(planted)} planted faults caught"
-    return text
-
-
-def stale_text(records: Sequence[CaseRecord]) -> str:
-    """Return which cases quote a full record of other code; empty if none does."""
-    stale = [one.name for one in records if one.stored is not None and not one.stored.current]
-    if not stale:
-        return ""
-    quoted = f"{len(stale)} of {len(records)} cases quote a full record measured with other code"
-    return f"{quoted} ({', '.join(stale)}): uqfold validate --full --stale --update"
+            of_claims = _listed(list(record.claims.values()))
+            text += f"; {len(record.claims)} claims of {record.name}: {of_claims}"
+    noticed = faults_text(records)
+    return text if noticed == "not planted" else f"{text}; {noticed} planted faults noticed"
 
 
 def reasons(record: CaseRecord) -> list[str]:
     """Return why a case does not hold, or cannot be judged."""
     said = [record.error] if record.error else []
-    if record.verdict != "holds" and not record.error:
-        stored = record.stored
-        of_full = len(stored.findings) if stored is not None and stored.current else 0
-        own = len(record.judged) - of_full
-        for i, one in enumerate(record.judged):
-            if one.verdict == record.verdict:
-                full = f"full tier, {stored.date[:10]}: " if stored is not None and i >= own else ""
-                said.append(f"{full}{one.words}")
-    said += [f"the planted fault {one.fault.name!r} went unnoticed" for one in record.missed_faults]
-    return said
+    if record.verdict != "holds":
+        said += [one.words for one in record.findings if one.verdict == record.verdict]
+    return said + [
+        f"the planted fault {one.fault.name!r} went unnoticed" for one in record.missed_faults
+    ]
+
+
+def _listed(verdicts: Sequence[Verdict]) -> str:
+    counts = Counter(verdicts)
+    return ", ".join(f"{counts[one]} {one}" for one in VERDICT_STYLES if counts[one])

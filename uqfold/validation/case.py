@@ -1,30 +1,23 @@
 """Validation cases on disk: a folder with ``case.toml`` (what is claimed) and ``measure.py``.
 
 A folder may declare several cases that one ``measure.py`` measures: what they share stands above,
-what is their own in tables ``[[case]]``. Reading a case reads its TOML file only. `Case.measuring`
-imports ``measure.py``; nothing but a run of the case calls it.
+what is their own in tables ``[[case]]``. Reading a case reads its TOML file only.
 """
 
 from __future__ import annotations
 
 import difflib
-import importlib
 import os
-import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, cast
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from uqfold.methods.seeding import LARGEST_SEED
 from uqfold.validation.findings import Verdict
-
-if TYPE_CHECKING:
-    from uqfold.validation.measurement import Measurement
-    from uqfold.validation.work import Work
 
 SCHEMA = "uqfold-case/1"
 DECLARATION, MEASURE = "case.toml", "measure.py"
@@ -139,31 +132,6 @@ class Case:
         """Return where the record of a tier is kept, beside the case."""
         stem = tier if self.name == self.folder.name else f"{self.name}.{tier}"
         return self.folder / f"{stem}.json"
-
-    def measuring(self) -> Callable[[Work], Measurement]:
-        """Import the case's ``measure.py`` and return its function ``measure``.
-
-        Raises
-        ------
-        CaseError
-            If there is no such function, or another package takes the name of the cases' folder.
-        """
-        cases = self.folder.parent
-        if cases.name in sys.stdlib_module_names:
-            # on the path it would hide Python's own module from everything that follows
-            raise CaseError(f"{cases.name!r} is the name of a module of Python: rename the folder")
-        if str(cases.parent) not in sys.path:
-            sys.path.insert(0, str(cases.parent))
-        module = importlib.import_module(f"{cases.name}.{self.folder.name}.measure")
-        if Path(str(module.__file__)).resolve() != (self.folder / MEASURE).resolve():
-            raise CaseError(
-                f"{self.name}: Python finds {module.__name__} elsewhere: rename the folder "
-                f"{cases.name!r}, or start from the folder that holds it"
-            )
-        function = getattr(module, "measure", None)
-        if not callable(function):
-            raise CaseError(f"{self.folder.name}/{MEASURE} defines no function measure(work)")
-        return cast("Callable[[Work], Measurement]", function)
 
 
 _CASE = TypeAdapter(Case)

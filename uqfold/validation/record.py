@@ -19,12 +19,11 @@ from pydantic import Field, TypeAdapter, computed_field
 from uqfold.checks import instance
 from uqfold.checks import path as checked_path
 from uqfold.validation.case import STRICT, Declaration, Fault, Tier, said
-from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict, verdict_of
+from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict
 from uqfold.validation.measurement import Measurement, claim_verdicts
 from uqfold.writing import write_text
 
 SCHEMA: Literal["uqfold-validation/2"] = "uqfold-validation/2"
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
 class RecordError(ValueError):
@@ -47,44 +46,6 @@ class PlantedFault:
 
 
 @dataclass(frozen=True)
-class StoredResult:
-    """What the full tier found earlier, as a shorter one quotes it.
-
-    Attributes
-    ----------
-    date
-        When it was measured, UTC, ISO 8601.
-    changed
-        Parts of the code it depends on that have changed since.
-    findings
-        What it found.
-    seconds
-        How long it took (s).
-    machine
-        Where.
-    """
-
-    __pydantic_config__ = AS_WRITTEN
-
-    date: str
-    changed: tuple[str, ...]
-    findings: tuple[Finding, ...]
-    seconds: Seconds
-    machine: str
-
-    @property
-    def current(self) -> bool:
-        """Whether the code that the case depends on is still the same."""
-        return not self.changed
-
-    @computed_field  # type: ignore[prop-decorator]
-    @property
-    def verdict(self) -> Verdict:
-        """The verdict that these findings give."""
-        return verdict_of(self.findings)
-
-
-@dataclass(frozen=True)
 class CaseRecord:
     """One case as it is kept.
 
@@ -102,8 +63,6 @@ class CaseRecord:
         How long it took (s).
     faults
         Planted faults.
-    stored
-        What the full tier found earlier; None if nothing is stored, or this is the full tier.
     error
         Why there is no measurement: the error that ended it; empty otherwise.
     """
@@ -114,9 +73,8 @@ class CaseRecord:
     tier: Tier
     measurement: Measurement
     made: Mapping[str, Any]
-    seconds: Seconds
+    seconds: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
     faults: tuple[PlantedFault, ...] = ()
-    stored: StoredResult | None = None
     error: str = ""
     schema: Literal["uqfold-validation/2"] = SCHEMA
 
@@ -132,36 +90,20 @@ class CaseRecord:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The findings measured in this tier."""
+        """What was found."""
         return self.measurement.findings
-
-    @property
-    def judged(self) -> tuple[Finding, ...]:
-        """The findings that the verdict rests on.
-
-        Those of the full tier count beside those measured now while the code is the same, and
-        replace those that a shorter tier measures too coarsely to judge.
-        """
-        stored = self.stored.findings if self.stored is not None and self.stored.current else ()
-        settled = {one.name for one in stored if one.verdict in ("holds", "does not hold")}
-        own = (
-            one
-            for one in self.findings
-            if one.verdict != "cannot be judged" or one.name not in settled
-        )
-        return (*own, *stored)
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def verdict(self) -> Verdict:
         """The verdict on the claim; a measurement that ended in an error judges nothing."""
-        return "cannot be judged" if self.error else verdict_of(self.judged)
+        return "cannot be judged" if self.error else self.measurement.verdict
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def claims(self) -> dict[str, Verdict]:
         """Key -> verdict of its claims, if it judges several."""
-        return claim_verdicts(self.measurement.claims, self.judged)
+        return claim_verdicts(self.measurement.claims, self.findings)
 
     @property
     def missed_faults(self) -> tuple[PlantedFault, ...]:
@@ -205,10 +147,14 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
             raise TypeError("it holds no JSON object")
         if document.get("schema") != SCHEMA:
             raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
+        # records of uqfold 0.1 quote there what the full tier had found
+        document.pop("stored", None)
         record = _RECORD.validate_python(document)
         # unknown fields, and verdicts that do not follow from the numbers
-        for where in _differences(document, to_document(record), ""):
-            raise ValueError(f"{where} is not what the rest of it gives")
+        given, followed = (dict(_leaves(one, "")) for one in (document, to_document(record)))
+        for where in given | followed:
+            if where not in given or where not in followed or given[where] != followed[where]:
+                raise ValueError(f"{where} is not what the rest of it gives")
     except (ValueError, TypeError, RecursionError) as error:
         text = said(error) if isinstance(error, ValueError) else str(error)
         raise RecordError(
@@ -216,6 +162,14 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
             "by `uqfold validate`; see docs/validation.md"
         ) from error
     return record
+
+
+def existing_record(path: Path) -> CaseRecord | None:
+    """Read a record where there is a readable one."""
+    try:
+        return read_case_record(path)
+    except (OSError, RecordError):
+        return None
 
 
 def read_case_records(folder: str | os.PathLike[str]) -> list[CaseRecord]:
@@ -238,17 +192,16 @@ def to_document(record: CaseRecord) -> dict[str, Any]:
     return cast("dict[str, Any]", json.loads(_RECORD.dump_json(record)))
 
 
-def _differences(one: Any, other: Any, where: str) -> Iterator[str]:
-    """Where two documents differ."""
-    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
-        for key in one:
-            yield from _differences(one[key], other[key], f"{where}.{key}".lstrip("."))
-    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        for i, (mine, yours) in enumerate(zip(one, other, strict=True)):
-            yield from _differences(mine, yours, f"{where}[{i}]")
-    elif one != other:
-        unknown = one.keys() ^ other.keys() if isinstance(one, dict) else ()
-        yield f"{where or 'it'}{''.join(f', field {key!r},' for key in sorted(unknown))}"
+def _leaves(value: Any, where: str) -> Iterator[tuple[str, Any]]:
+    """Yield (place, value) of everything in a document that holds nothing more."""
+    if isinstance(value, dict) and value:
+        for key, one in value.items():
+            yield from _leaves(one, f"{where}.{key}".lstrip("."))
+    elif isinstance(value, list) and value:
+        for i, one in enumerate(value):
+            yield from _leaves(one, f"{where}[{i}]")
+    else:
+        yield where, value
 
 
 def _on_one_line(found: re.Match[str]) -> str:

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
+import importlib
 import shlex
-import shutil
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import cast
 
 from uqfold.provenance import changed_parts, made_by, source_digest
-from uqfold.validation.case import Case, CaseError, Tier
+from uqfold.validation.case import MEASURE, Case, CaseError, Tier
 from uqfold.validation.measurement import Measurement, claim_verdicts
 from uqfold.validation.record import (
     CaseRecord,
     PlantedFault,
-    RecordError,
-    StoredResult,
-    read_case_record,
+    existing_record,
     write_case_record,
 )
 from uqfold.validation.work import Work
 
-PARTS = ".parts"
 FRAME = ("uqfold.validation",)
 """What measures and keeps records makes no numbers."""
 
@@ -44,7 +43,7 @@ class Validation:
     tier
         How thoroughly.
     folder
-        Where records go, and where parts are kept that an interrupted run has finished.
+        Where records go.
     faults
         Whether the cases' faults are planted too, one by one, in the size of the quick tier.
     progress
@@ -65,11 +64,7 @@ class Validation:
         path = self.folder / f"{case.name}.json"
         record = self._finished(case, path) or self._measured(case)
         write_case_record(record, path)
-        shutil.rmtree(self._kept(case), ignore_errors=True)
         return record
-
-    def _kept(self, case: Case) -> Path:
-        return self.folder / PARTS / f"{case.name}-{self.tier}"
 
     def _finished(self, case: Case, path: Path) -> CaseRecord | None:
         record = existing_record(path) if self.tier == "full" else None
@@ -90,22 +85,12 @@ class Validation:
             packages=case.needs if self.tier == "full" else (),
             without=FRAME,
         )
-        # what was kept belongs to this code only
-        kept = self._kept(case) / "-".join(made["source"].values())[:64]
-        work = Work(self.tier, None, case.declared.seeds, case.settings, kept, tell)
         start = time.perf_counter()
+        work = Work(self.tier, None, case.declared.seeds, case.settings, tell)
         measurement, error = _attempt(case, work)
-        seconds = time.perf_counter() - start + sum(work.saved)
-        return CaseRecord(
-            case.declared,
-            self.tier,
-            measurement,
-            made,
-            round(seconds, 2),
-            tuple(self._planted(case)),
-            None if self.tier == "full" else _stored_result(case),
-            error,
-        )
+        seconds = round(time.perf_counter() - start, 2)
+        faults = tuple(self._planted(case))
+        return CaseRecord(case.declared, self.tier, measurement, made, seconds, faults, error)
 
     def _planted(self, case: Case) -> Iterator[PlantedFault]:
         for fault in case.faults:
@@ -120,17 +105,30 @@ class Validation:
             yield PlantedFault(fault, verdict)
 
 
-def plant(case: Case, name: str) -> Measurement:
-    """Measure a case with one of its faults, in the size of the quick tier; errors come through.
+def measuring(case: Case) -> Callable[[Work], Measurement]:
+    """Import the ``measure.py`` of a case and return its function ``measure``.
 
     Raises
     ------
     CaseError
-        If the case declares no such fault.
+        If there is no such function, or another package takes the name of the cases' folder.
     """
-    if name not in {one.name for one in case.faults}:
-        raise CaseError(f"{case.name} declares no fault {name!r}")
-    return case.measuring()(Work("quick", name, case.declared.seeds, case.settings))
+    cases = case.folder.parent
+    if cases.name in sys.stdlib_module_names:
+        # on the path it would hide Python's own module from everything that follows
+        raise CaseError(f"{cases.name!r} is the name of a module of Python: rename the folder")
+    if str(cases.parent) not in sys.path:
+        sys.path.insert(0, str(cases.parent))
+    module = importlib.import_module(f"{cases.name}.{case.folder.name}.measure")
+    if Path(str(module.__file__)).resolve() != (case.folder / MEASURE).resolve():
+        raise CaseError(
+            f"{case.name}: Python finds {module.__name__} elsewhere: rename the folder "
+            f"{cases.name!r}, or start from the folder that holds it"
+        )
+    function = getattr(module, "measure", None)
+    if not callable(function):
+        raise CaseError(f"{case.folder.name}/{MEASURE} defines no function measure(work)")
+    return cast("Callable[[Work], Measurement]", function)
 
 
 def command(case: Case, tier: Tier) -> str:
@@ -148,41 +146,15 @@ def sources(case: Case) -> list[Path]:
     ]
 
 
-def code_of(case: Case) -> dict[str, str]:
-    """Return part -> digest of the code and data that a case depends on."""
-    return source_digest(*sources(case), without=FRAME)
-
-
 def changed_since(record: CaseRecord, case: Case) -> tuple[str, ...]:
     """Return what a record's numbers depend on that has changed since they were measured."""
-    changed = changed_parts(record.made["source"], code_of(case))
+    code = source_digest(*sources(case), without=FRAME)
+    changed = changed_parts(record.made["source"], code)
     if record.case.seeds != case.declared.seeds:
         changed = (*changed, "seeds")
     if record.made["settings"] != dict(case.settings):
         changed = (*changed, "settings")
     return changed
-
-
-def existing_record(path: Path) -> CaseRecord | None:
-    """Read a record where there is a readable one."""
-    try:
-        return read_case_record(path)
-    except (OSError, RecordError):
-        return None
-
-
-def _stored_result(case: Case) -> StoredResult | None:
-    """Return what the full tier found earlier, as it is stored beside the case."""
-    record = existing_record(case.kept("full"))
-    if record is None or record.error:
-        return None
-    return StoredResult(
-        record.date,
-        changed_since(record, case),
-        record.findings,
-        record.seconds,
-        record.made["machine"],
-    )
 
 
 def _attempt(case: Case, work: Work) -> tuple[Measurement, str]:
@@ -193,7 +165,7 @@ def _attempt(case: Case, work: Work) -> tuple[Measurement, str]:
             f"the full tier needs {', '.join(missing)}: pip install 'uqfold[validation]'"
         )
     try:
-        measurement = case.measuring()(work)
+        measurement = measuring(case)(work)
     except Exception as error:
         return Measurement(()), f"{type(error).__name__}: {error}"
     return measurement, ""

@@ -145,4 +145,4 @@ def typeset(text: str) -> str:
     >>> typeset("1.5e-4 .. 2")
     '1.5 × 10⁻⁴ .. 2'
     """
-    return _POWER.sub(lambda match: f"{match[1]} × 10{match[2].translate(_RAISED)}", text)
+    return _POWER.sub(lambda match: f"{match[1]} × 10{str(int(match[2])).translate(_RAISED)}", text)
