@@ -7,16 +7,21 @@ first made to agree with it, so that what breaks it afterwards is the planted co
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from uqfold.validation import Claim, Finding, Verdict, verdict_of
+from uqfold.validation.case import load_cases
+from uqfold.validation.runner import sources
 from validation.paper import lengths
-from validation.paper.claims import IDENTITY
-from validation.paper.measure import CLAIMS, FAULTS, read_results
+from validation.paper.faults import FAULTS
+from validation.paper.measure import CLAIMS, judge
+from validation.paper.results import IDENTITY, read_results
 
-Results = dict[str, dict[str, pd.DataFrame]]
+FOLDER = Path(__file__).resolve().parents[2] / "validation" / "paper"
+Results = dict[str, pd.DataFrame]
 Change = Callable[[Results], None]
 
 
@@ -33,8 +38,7 @@ class Judged:
 
 
 def judged(key: str, results: Results) -> Judged:
-    findings = CLAIMS[key].findings(results)
-    return Judged(CLAIMS[key].claim(findings), findings)
+    return Judged(*judge(key, results))
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +49,8 @@ def committed() -> Results:
 @pytest.fixture(autouse=True)
 def no_scan(monkeypatch: pytest.MonkeyPatch) -> None:
     """The scan of deployment times takes seconds, and judges nothing."""
-    row = {"wings": 1, "smallest ratio": 0.6, "largest ratio": 0.7}
-    monkeypatch.setattr(lengths, "scanned", lambda: [row])
+    rows = pd.DataFrame({"wings": [1], "smallest ratio": [0.6], "largest ratio": [0.7]})
+    monkeypatch.setattr(lengths, "scanned", lambda: rows)
 
 
 def set_pf(frame: pd.DataFrame, rows: "pd.Series[bool]", pf: object) -> None:
@@ -59,7 +63,7 @@ def swapped(study: str, tables: list[str], late: bool = False) -> Change:
 
     def change(results: Results) -> None:
         for table in tables:
-            frame = results[study][table]
+            frame = results[f"{study}/{table}"]
             one, other = frame["problem"].unique()
             rows = frame["threshold"] == frame["threshold"].max() if late else frame.index >= 0
             frame.loc[rows, "problem"] = frame.loc[rows, "problem"].map({one: other, other: one})
@@ -69,16 +73,15 @@ def swapped(study: str, tables: list[str], late: bool = False) -> Change:
 
 def perfect(results: Results) -> None:
     """Every method hits its reference."""
-    for study in ("example-1", "example-2", "example-3"):
-        for frame in results[study].values():
-            if "reference_pf" in frame:
-                known = frame["reference_pf"].notna()
-                set_pf(frame, known, frame.loc[known, "reference_pf"])
-                frame.loc[known, "error"] = 0.0
+    for frame in results.values():
+        if "reference_pf" in frame:
+            known = frame["reference_pf"].notna()
+            set_pf(frame, known, frame.loc[known, "reference_pf"])
+            frame.loc[known, "error"] = 0.0
 
 
 def one_row_off(results: Results) -> None:
-    frame = results["example-2"]["no-sync-open"]
+    frame = results["example-2/no-sync-open"]
     named = frame[frame["missions"] == "2"]
     rows = frame.index == named["reference_pf"].sub(0.5).abs().idxmin()
     set_pf(frame, pd.Series(rows), frame.loc[rows, "reference_pf"] - 0.12)
@@ -86,60 +89,59 @@ def one_row_off(results: Results) -> None:
 
 
 def one_run_more(results: Results) -> None:
-    results["example-6"]["sync"].loc[3, "n_evals"] += 1
+    results["example-6/sync"].loc[3, "n_evals"] += 1
 
 
 def missions_cross(results: Results) -> None:
-    frame = results["example-6"]["no-sync"]
+    frame = results["example-6/no-sync"]
     rows = (frame["missions"] == "5") & (frame["threshold"] == 0.365)
     set_pf(frame, rows, 0.01)
 
 
 def planned_cross(results: Results) -> None:
-    frame = results["example-3"]["planned"]
+    frame = results["example-3/planned"]
     rows = frame["missions_planned"] == 10
     set_pf(frame, rows, frame.loc[rows, "pf"] * 0.5)
 
 
 def tau_crosses(results: Results) -> None:
-    frame = results["example-1"]["sync"]
+    frame = results["example-1/sync"]
     rows = (frame["tau"] == frame["tau"].max()) & (frame["threshold"] == 4.0)
     set_pf(frame, rows, 0.9)
 
 
 def gain_grows(results: Results) -> None:
-    frame = results["example-4"]["delta-sync"]
+    frame = results["example-4/delta-sync"]
     rows = (frame["tau"] == 0.035) & (frame["threshold"] == frame["threshold"].max())
     set_pf(frame, rows, frame.loc[rows, "pf"] + 0.25)
 
 
 def tau_does_nothing(results: Results) -> None:
-    frame = results["example-3"]["sync"]
+    frame = results["example-3/sync"]
     for _, rows in frame.groupby(["threshold", "missions"]).groups.items():
         set_pf(frame, frame.index.isin(rows), frame.loc[rows, "pf"].mean())
 
 
 def independence_helps(results: Results) -> None:
-    frame = results["example-3"]["independence"]
+    frame = results["example-3/independence"]
     frame.loc[frame["threshold"] == 0.55, "difference"] *= -1.0
 
 
 def gap_is_small(results: Results) -> None:
-    results["example-6"]["independence"]["difference"] *= 0.1
+    results["example-6/independence"]["difference"] *= 0.1
 
 
 def patterns_all_alike(results: Results) -> None:
     """Inputs b and k_d get the curves of V_q."""
-    tables = results["example-5"]
     for name, pair in (("b", (15, 16)), ("k_d", (17, 18))):
         names = {f"condition-{11 + i}": f"condition-{pair[i]}" for i in range(2)}
         for part in ("no-sync", "sync"):
-            rows = tables[f"V_q-{part}"]
-            tables[f"{name}-{part}"] = rows.assign(problem=rows["problem"].map(names))
+            rows = results[f"example-5/V_q-{part}"]
+            results[f"example-5/{name}-{part}"] = rows.assign(problem=rows["problem"].map(names))
 
 
 def no_trough(results: Results) -> None:
-    frame = results["example-5"]["V_q-no-sync"]
+    frame = results["example-5/V_q-no-sync"]
     early = frame["threshold"] < 0.556
     smaller = early & (frame["problem"] == "condition-11")
     larger = early & (frame["problem"] == "condition-12")
@@ -147,37 +149,37 @@ def no_trough(results: Results) -> None:
 
 
 def clearance_matters(results: Results) -> None:
-    results["example-5"]["C_r-paired"].loc[4, ["difference", "std_error"]] = -0.02, 1e-4
+    results["example-5/C_r-paired"].loc[4, ["difference", "std_error"]] = -0.02, 1e-4
 
 
 def paired_the_other_way(*tables: str) -> Change:
     def change(results: Results) -> None:
         for table in tables:
-            results["example-5"][table]["difference"] *= -1.0
+            results[f"example-5/{table}"]["difference"] *= -1.0
 
     return change
 
 
 def clear_plateau(results: Results) -> None:
-    results["example-4"]["C_r-sync-scatter"]["pf_std"] = 0.0
+    results["example-4/C_r-sync-scatter"]["pf_std"] = 0.0
 
 
 def gap_widens(results: Results) -> None:
-    frame = results["example-6"]["sync"]
+    frame = results["example-6/sync"]
     rows = (frame["tau"] == frame["tau"].max()) & (frame["missions"] == "5")
     set_pf(frame, rows, 0.9)
 
 
 def range_of_the_text(results: Results) -> None:
-    results["example-6"]["sync"]["threshold"] += 0.085
+    results["example-6/sync"]["threshold"] += 0.085
 
 
 def range_of_ours(results: Results) -> None:
-    results["example-6"]["sync"]["threshold"] -= 0.085
+    results["example-6/sync"]["threshold"] -= 0.085
 
 
 def much_later(results: Results) -> None:
-    results["example-6"]["sync"]["threshold"] += 0.2
+    results["example-6/sync"]["threshold"] += 0.2
 
 
 def as_it_is(_: Results) -> None:
@@ -256,7 +258,7 @@ def test_errors_as_large_as_the_effect_leave_a_claim_open(
 ) -> None:
     results = copy.deepcopy(committed)
     assert judged(key, results).verdict == "holds"
-    results[study][table][column] = 1.0
+    results[f"{study}/{table}"][column] = 1.0
     assert judged(key, results).verdict == "cannot be judged"
 
 
@@ -316,11 +318,17 @@ def test_independence_says_that_its_range_is_ours(committed: Results) -> None:
     assert all(one.value is not None and one.value > 0.01 for one in everywhere)
 
 
-@pytest.mark.parametrize("key", CASES)
-def test_without_its_results_a_claim_cannot_be_judged(key: str) -> None:
-    found = judged(key, {})
-    assert found.verdict == "cannot be judged"
-    assert found.findings[0].words.startswith(f"{key}: no results of example-")
+def test_the_table_of_claims_counts_as_what_the_record_was_made_of() -> None:
+    """Limits that change make the kept record old, as code that changes does."""
+    [case] = load_cases(FOLDER)
+    names = [path.name for path in sources(case)]
+    assert "claims.toml" in names
+    assert "case.toml" not in names
+
+
+def test_a_missing_table_is_named() -> None:
+    with pytest.raises(KeyError, match="example-6/sync"):
+        judge("closing gap", {})
 
 
 def test_contradictions_and_remedies_change_what_they_say() -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import cast
 
 from uqfold.provenance import changed_parts, made_by, source_digest
-from uqfold.validation.case import MEASURE, Case, CaseError, Tier
+from uqfold.validation.case import DECLARATION, MEASURE, Case, CaseError, Tier
 from uqfold.validation.measurement import Measurement, claim_verdicts
 from uqfold.validation.record import (
     CaseRecord,
@@ -142,6 +142,8 @@ def sources(case: Case) -> list[Path]:
     data = [case.folder.parent.parent / one for one in case.data]
     return [
         *sorted(case.folder.rglob("*.py")),
+        # the declaration apart, which the record repeats
+        *(path for path in sorted(case.folder.rglob("*.toml")) if path.name != DECLARATION),
         *(path for folder in (case.folder, *data) for path in sorted(folder.rglob("*.csv"))),
     ]
 
