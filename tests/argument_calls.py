@@ -178,7 +178,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "methods.Estimate.without_answer", "methods.Task.generator",
     "methods.Task.summed_up", "testing.LinearNormalSystem.response",
     "validation.Work.parts", "validation.Work.pick", "validation.Work.progress",
-    "validation.record_schema",
+    "validation.record_schema", "comparison.record_schema",
     # records without fields: their verbs are in the table
     "ReliabilityMethod", "methods.SequentialMethod",
     # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
@@ -466,17 +466,6 @@ def calls(folder: Path) -> dict[str, Call]:
         "comparison.NamedProblem": Call(
             comparison.NamedProblem,
             {"name": text(), "description": text(), "factory": text("a:b"), "max_evals": count()},
-        ),
-        "comparison.ComparisonPlan": Call(
-            comparison.ComparisonPlan,
-            {
-                "problem": at,
-                "methods": thing({"m": cheap}),
-                "criteria": thing(criteria),
-                "max_evals": run["max_evals"],
-                "seed": count().also("zero"),
-                "evaluator": thing(uqfold.Evaluator()),
-            },
         ),
         "comparison.available_problems": Call(comparison.available_problems, {}),
         "comparison.benchmark_summary": Call(

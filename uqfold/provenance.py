@@ -25,8 +25,8 @@ RECORDED_PACKAGES = "numpy", "scipy", "numba", "openturns"
 """Packages whose versions are always recorded."""
 # they check, write, import and explain; methods.theory with all that begins so
 MAKES_NO_NUMBERS = (
-    "uqfold.checks", "uqfold.imports", "uqfold.lazy", "uqfold.methods.theory", "uqfold.provenance",
-    "uqfold.typing", "uqfold.writing",
+    "uqfold.checks", "uqfold.documents", "uqfold.imports", "uqfold.lazy", "uqfold.methods.theory",
+    "uqfold.provenance", "uqfold.typing", "uqfold.writing",
 )  # fmt: skip
 
 

@@ -25,16 +25,18 @@ from uqfold.comparison import (
     criteria_of,
     plan_comparison,
     read_records,
+    record_schema,
     run_comparison,
     write_records,
 )
-from uqfold.comparison.columns import COLUMNS, rows_of, rows_to_frame
+from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.csv_cells import text_of_cell
-from uqfold.comparison.encoding import decoded, encoded
-from uqfold.comparison.header import ATTRIBUTE, FORM
+from uqfold.comparison.form import ROWS, encoded
+from uqfold.comparison.header import ATTRIBUTE
 from uqfold.problems.criterion import Binomial, criteria
 from uqfold.provenance import source_digest
 
+(A_ROW,) = toy_frame(criteria(12.0), {"exact": METHODS["exact"]}).to_dict("records")
 HARD_NUMBERS = {
     "threshold": -5e-324,
     "pf": 0.1 + 0.2,
@@ -52,7 +54,7 @@ HARD_NUMBERS = {
 @pytest.fixture
 def frame() -> pd.DataFrame:
     whole = toy_frame()
-    first, *others = rows_of(whole)
+    first, *others = whole.to_dict("records")
     written = rows_to_frame([{**first, **HARD_NUMBERS}, *others])
     written.attrs[ATTRIBUTE] = {**whole.attrs[ATTRIBUTE], "seed": 2**127 + 1}
     return written
@@ -60,7 +62,7 @@ def frame() -> pd.DataFrame:
 
 def texts(frame: pd.DataFrame) -> list[str]:
     """Return the rows as text, which tells -0.0 from 0.0 and equals itself for NaN."""
-    return [repr(row) for row in rows_of(frame)]
+    return [repr(row) for row in frame.to_dict("records")]
 
 
 def without_constants(text: str) -> Any:
@@ -142,15 +144,13 @@ def test_a_header_says_which_source_made_the_rows(tmp_path: Path) -> None:
     assert "uqfold/surrogates" not in header["source"]
 
 
-@given(st.floats(), st.integers(), st.text())
+@given(st.floats(), st.integers(-(2**256), 2**256), st.text())
 def test_every_value_survives_strict_json(number: float, whole: int, text: str) -> None:
-    sent = [encoded(number), encoded(whole), encoded(text)]
-    received = without_constants(json.dumps(sent, allow_nan=False))
-    assert repr(decoded(received[0], float, "number")) == repr(
-        math.nan if math.isnan(number) else number
-    )
-    assert decoded(received[1], int, "whole") == whole
-    assert decoded(received[2], str, "text") == text
+    sent = {**A_ROW, "pf": number, "n_evals": whole, "message": text}
+    received = without_constants(json.dumps(encoded([sent]), allow_nan=False))
+    (read,) = ROWS.validate_python(received, strict=True)
+    assert repr(read["pf"]) == repr(math.nan if math.isnan(number) else number)
+    assert (read["n_evals"], read["message"]) == (whole, text)
 
 
 def test_half_a_character_in_a_message_survives(frame: pd.DataFrame, tmp_path: Path) -> None:
@@ -175,6 +175,19 @@ def test_json_is_strict_and_says_its_schema(frame: pd.DataFrame, tmp_path: Path)
         "numba",
         "openturns",
     ]
+
+
+def test_the_published_schema_is_what_checks_a_record(tmp_path: Path) -> None:
+    """Records go through one library; the schema is made from the forms that check them."""
+    schema = record_schema()
+    _, path = write_records(toy_frame(criteria(12.0)), tmp_path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert set(schema["properties"]) == set(document)
+    assert set(schema["required"]) == set(document) - {"sha256"}
+    row = schema["$defs"]["RowForm"]
+    assert (row["required"], row["additionalProperties"]) == (list(COLUMNS), False)
+    assert {"type": "null"} in row["properties"]["pf"]["anyOf"]
+    assert row["properties"]["n_evals"]["type"] == "integer"
 
 
 def test_the_columns_are_those_of_schema_3() -> None:
@@ -207,7 +220,9 @@ def test_the_header_says_what_the_system_was_and_what_the_methods_state(tmp_path
 
 def test_every_column_and_field_is_documented() -> None:
     text = (Path(__file__).parents[2] / "docs" / "records.md").read_text(encoding="utf-8")
-    assert [name for name in (*COLUMNS, *FORM) if f"`{name}`" not in text] == []
+    assert [
+        name for name in (*COLUMNS, *record_schema()["properties"]) if f"`{name}`" not in text
+    ] == []
 
 
 def test_the_code_in_the_documentation_runs(
@@ -227,7 +242,7 @@ def test_csv_holds_the_same_numbers(frame: pd.DataFrame, tmp_path: Path) -> None
     path, _ = write_records(frame, tmp_path)
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    for row, written in zip(rows, rows_of(frame), strict=True):
+    for row, written in zip(rows, frame.to_dict("records"), strict=True):
         assert list(row) == list(COLUMNS)
         for name, kind in COLUMNS.items():
             cell: Any = kind(row[name]) if row[name] or kind is str else math.nan
@@ -281,20 +296,23 @@ def damaged(document: dict[str, Any], how: str) -> Any:
         ("no object", "no JSON object"),
         ("other schema", "'uqfold-comparison/1', not 'uqfold-comparison/3'"),
         ("no schema", "its schema is None"),
-        ("no seed", "the field 'seed' is missing"),
+        ("no seed", "the field seed is missing"),
         ("other columns", "its columns are not those"),
-        ("text for a number", "row 1, pf = 'small' is not a number"),
-        ("truth for a number", "row 1, pf = True is not a number"),
-        ("number for a whole one", "row 1, n_evals = 1.5 is not a whole number"),
-        ("nothing for a text", "row 1, label = None is not a text"),
-        ("row lacks a column", "row 1 has not the columns"),
-        ("row is a list", "row 1"),
+        ("text for a number", "rows[1].pf: Input should be a valid number, not 'small'"),
+        ("truth for a number", "rows[1].pf: Input should be a valid number, not True"),
+        ("number for a whole one", "rows[1].n_evals: Input should be a valid integer, not 1.5"),
+        ("nothing for a text", "rows[1].label: Input should be a valid string, not None"),
+        ("row lacks a column", "the field rows[1].pf is missing"),
+        ("row is a list", "rows[1]: Input should be a valid dictionary"),
         ("rows lost", "does not have the digest"),
         ("unknown label", "rows of 'stranger', which is none of its methods"),
         ("bad criterion", "tau = -1.0"),
         ("method without title", "title"),
         ("equation without latex", "latex"),
-        ("input of two roles", r"role = \['shared', 'individual'\] is not a text"),
+        (
+            "input of two roles",
+            "role: Input should be a valid string, not ['shared', 'individual']",
+        ),
         ("rows is null", "comparison.json is no readable record"),
     ],
 )
@@ -304,7 +322,7 @@ def test_a_damaged_record_is_refused_and_the_fault_named(
     _, path = write_records(toy_frame(), tmp_path)
     document = json.loads(path.read_text(encoding="utf-8"))
     path.write_text(json.dumps(damaged(document, how)), encoding="utf-8")
-    with pytest.raises(RecordsError, match=said) as caught:
+    with pytest.raises(RecordsError, match=re.escape(said)) as caught:
         read_records(path)
     assert "written by `uqfold compare`" in str(caught.value)
     assert str(tmp_path) not in str(caught.value)

@@ -6,6 +6,7 @@ __getattr__, __dir__, __all__ = attach_stub(
     __name__,
     __file__,
     moved={
+        "ComparisonPlan": "uqfold.comparison.plan.ComparisonPlan",
         "Case": "uqfold.comparison.NamedProblem",
         "available_cases": "uqfold.comparison.available_problems",
         "records_from_frame": "uqfold.comparison.checked_frame",

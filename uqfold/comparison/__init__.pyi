@@ -1,4 +1,5 @@
 from uqfold.comparison.benchmark import benchmark_summary as benchmark_summary
+from uqfold.comparison.form import record_schema as record_schema
 from uqfold.comparison.frames import (
     checked_frame as checked_frame,
     comparison_header as comparison_header,
@@ -9,10 +10,7 @@ from uqfold.comparison.named_problems import (
     available_problems as available_problems,
     named_problem as named_problem,
 )
-from uqfold.comparison.plan import (
-    ComparisonPlan as ComparisonPlan,
-    plan_comparison as plan_comparison,
-)
+from uqfold.comparison.plan import plan_comparison as plan_comparison
 from uqfold.comparison.records import (
     RecordsError as RecordsError,
     read_records as read_records,

@@ -7,7 +7,7 @@ followed by the reference and the error against it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -36,27 +36,12 @@ COLUMNS: dict[str, type] = {
 def comparison_row(
     problem: str, label: str, result: CriterionResult, reference: Reference | None
 ) -> dict[str, Any]:
-    """Join one answer of a method with the reference of its criterion.
-
-    Parameters
-    ----------
-    problem, label
-        Name of the problem, and the method's label in this comparison.
-    result
-        The answer.
-    reference
-        The known answer of exactly the same criterion, or None.
-    """
-    reference_pf = math.nan if reference is None else reference.pf
-    reference_std_error = math.nan if reference is None else reference.std_error
-    return {
-        "problem": problem,
-        "label": label,
-        **asdict(result),
-        "reference_pf": reference_pf,
-        "reference_std_error": reference_std_error,
-        "error": relative_error(result.pf, reference_pf),
-    }
+    """Join one answer of a method with the reference of exactly its criterion, or with None."""
+    known = (math.nan, math.nan) if reference is None else (reference.pf, reference.std_error)
+    row = {"problem": problem, "label": label, **asdict(result)}
+    row["reference_pf"], row["reference_std_error"] = known
+    row["error"] = relative_error(result.pf, known[0])
+    return row
 
 
 def relative_error(pf: float, reference_pf: float) -> float:
@@ -72,23 +57,17 @@ def relative_error(pf: float, reference_pf: float) -> float:
 
 
 def rows_to_frame(rows: Iterable[Row]) -> pd.DataFrame:
-    """Give the rows as a pandas frame with the columns and types of `COLUMNS`."""
+    """Return the rows as a pandas frame with the columns and types of `COLUMNS`."""
     import pandas as pd
 
     listed = list(rows)
-    # a seed may exceed 64 bits: integers keep the type that pandas finds for them
-    integer = None if listed else "int64"
-    dtypes = {float: "float64", str: str, int: integer}
+    dtypes: dict[type, type | str] = {float: "float64", str: str, int: "int64"}
+    if listed:
+        # a seed may exceed 64 bits: integers keep the type that pandas finds for them
+        del dtypes[int]
     return pd.DataFrame(
         {
-            name: pd.Series([row[name] for row in listed], dtype=dtypes[kind])
+            name: pd.Series([row[name] for row in listed], dtype=dtypes.get(kind))
             for name, kind in COLUMNS.items()
         }
     )
-
-
-def rows_of(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Yield the rows that `rows_to_frame` was given."""
-    columns = [map(kind, frame[name].tolist()) for name, kind in COLUMNS.items()]
-    for values in zip(*columns, strict=True):
-        yield dict(zip(COLUMNS, values, strict=True))

@@ -1,38 +1,36 @@
-"""Tables as comma-separated values that a spreadsheet shows and does not execute.
+"""Rows as comma-separated values that a spreadsheet shows and does not execute.
 
-Numbers are written as `encoding.encoded` has them, and an empty cell stands for "none". Text that a
-spreadsheet takes for a formula gets an apostrophe in front, which `text_of_cell` takes away again.
+Numbers are written in the shortest form that reads back to the same bits, and an empty cell stands
+for NaN. Text that a spreadsheet takes for a formula gets an apostrophe in front, which
+`text_of_cell` takes away again.
 """
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
-from uqfold.comparison.encoding import encoded
+from uqfold.comparison.columns import COLUMNS
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+TEXTS = [name for name, kind in COLUMNS.items() if kind is str]
 # with the wide signs of East Asian scripts, which some spreadsheets take for the others
 _FORMULA = re.compile(r"'*(?:\s*[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r\n])")
 
 
-def csv_text(columns: Mapping[str, type], rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return a table as text.
+class _Lines(list[str]):
+    def write(self, line: str) -> None:
+        self.append(line.removesuffix("\r\n") + "\n")
 
-    Parameters
-    ----------
-    columns
-        Column -> type (`str`, `int`, `float`) of its values.
-    rows
-        Column -> value, for every row.
-    """
+
+def csv_text(frame: pd.DataFrame) -> str:
+    """Return the rows of a comparison as text, one line each."""
     lines = _Lines()
+    safe = frame.assign(**{name: frame[name].map(cell_of_text) for name in TEXTS})
     # this end of a line has a carriage return in a text quoted too
-    writer = csv.writer(lines, lineterminator="\r\n")
-    writer.writerow(map(cell_of_text, columns))
-    for row in rows:
-        writer.writerow(_cell(kind(row[name])) for name, kind in columns.items())
+    safe.to_csv(lines, index=False, lineterminator="\r\n")
     return "".join(lines)
 
 
@@ -48,15 +46,3 @@ def cell_of_text(text: str) -> str:
 def text_of_cell(cell: str) -> str:
     """Return the text that `cell_of_text` was given."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
-
-
-class _Lines(list[str]):
-    def write(self, line: str) -> None:
-        self.append(line.removesuffix("\r\n") + "\n")
-
-
-def _cell(value: float | str) -> float | str:
-    if isinstance(value, str):
-        return cell_of_text(value)
-    written = encoded(value)
-    return "" if written is None else written

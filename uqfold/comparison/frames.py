@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import instance
-from uqfold.comparison.columns import COLUMNS, Row, rows_to_frame
-from uqfold.comparison.csv_cells import text_of_cell
-from uqfold.comparison.header import ATTRIBUTE, bare_header, checked_header, encoded_criterion
+from uqfold.comparison.columns import COLUMNS, rows_to_frame
+from uqfold.comparison.csv_cells import TEXTS, text_of_cell
+from uqfold.comparison.form import ROWS
+from uqfold.comparison.header import ATTRIBUTE, bare_header, checked_header, criteria_forms
+from uqfold.documents import said
 from uqfold.problems.criterion import Binomial, Criterion
 
 if TYPE_CHECKING:
@@ -42,23 +44,19 @@ def checked_frame(frame: pd.DataFrame) -> pd.DataFrame:
         raise ValueError(
             f"the frame has no column {missing[0]!r}: give one that uqfold.compare returned"
         )
-    columns = {name: _column(name, frame[name].tolist(), kind) for name, kind in COLUMNS.items()}
+    try:
+        rows = ROWS.validate_python(frame[list(COLUMNS)].to_dict("records"))
+    except ValueError as error:
+        raise ValueError(f"the frame holds what no comparison does: {said(error)}") from error
     if ATTRIBUTE not in frame.attrs:
         # its texts are those of a CSV file
-        columns |= {
-            name: list(map(text_of_cell, columns[name]))
-            for name, kind in COLUMNS.items()
-            if kind is str
-        }
-    problems = list(dict.fromkeys(columns["problem"]))
+        rows = [row | {name: text_of_cell(row[name]) for name in TEXTS} for row in rows]
+    problems = list(dict.fromkeys(row["problem"] for row in rows))
     if len(problems) != 1:
         named = ", ".join(problems) if problems else "none"
         raise ValueError(f"a report is about one problem, the frame holds {named}: select one")
-    rows = [
-        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
-    ]
     checked = rows_to_frame(rows)
-    checked.attrs[ATTRIBUTE] = _header(frame.attrs.get(ATTRIBUTE), rows)
+    checked.attrs[ATTRIBUTE] = _header(frame.attrs.get(ATTRIBUTE), checked)
     return checked
 
 
@@ -74,55 +72,29 @@ def comparison_header(frame: pd.DataFrame) -> dict[str, Any]:
     return header
 
 
-def _column(name: str, values: list[Any], kind: type) -> list[Any]:
-    try:
-        # an empty cell of a CSV file is read as NaN
-        return [
-            "" if kind is str and isinstance(value, float) and math.isnan(value) else kind(value)
-            for value in values
-        ]
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ValueError(
-            f"the column {name!r} of the frame holds no such numbers: {error}"
-        ) from error
-
-
-def _header(document: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    occurring = [encoded_criterion(one) for one in _criteria(rows)]
-    labels = {row["label"]: row["method"] for row in rows}
+def _header(document: Any, frame: pd.DataFrame) -> dict[str, Any]:
+    labels = dict(zip(frame["label"], frame["method"], strict=True))
+    stated = frame[["threshold", "tau", "missions", "missions_planned", "missions_p"]]
+    criteria = [_criterion(row) for row in stated.drop_duplicates().to_dict("records")]
+    occurring = {"criteria": criteria_forms(dict.fromkeys(criteria))}
     if document is not None:
         header = checked_header(document)
         if set(labels) <= {one["label"] for one in header["methods"]}:
             left_out = set(header["finished"]) - set(labels)
             methods = [one for one in header["methods"] if one["label"] not in left_out]
-            return {
-                **header, "criteria": occurring, "methods": methods, "finished": list(labels)
-            }  # fmt: skip
+            return header | occurring | {"methods": methods, "finished": list(labels)}
     # where rows of another comparison were appended, nothing is known about how they were made
-    bare = bare_header(rows[0]["problem"], labels, rows[0]["seed"])
-    return {**bare, "criteria": occurring}
+    problem, seed = frame["problem"].iloc[0], int(frame["seed"].iloc[0])
+    return bare_header(problem, labels, seed) | occurring
 
 
-def _criteria(rows: Iterable[Row]) -> list[Criterion]:
-    """Return the criteria that occur, each once."""
-    stated = ("threshold", "tau", "missions", "missions_planned", "missions_p")
-    # by their text, in which NaN equals NaN
-    distinct = {tuple(repr(row[name]) for name in stated): row for row in reversed(list(rows))}
-    return list(dict.fromkeys(map(_criterion, reversed(distinct.values()))))
-
-
-def _criterion(row: Row) -> Criterion:
-    binomial = not math.isnan(row["missions_planned"])
-    return Criterion(
-        row["threshold"],
-        None if math.isnan(row["tau"]) else row["tau"],
-        Binomial(row["missions_planned"], row["missions_p"])
-        if binomial
-        else _count(row["missions"]),
-    )
-
-
-def _count(missions: str) -> int:
-    if not missions.isdecimal():
-        raise ValueError(f"missions = {missions!r}: give a whole number, or missions_planned")
-    return int(missions)
+def _criterion(row: Mapping[Any, Any]) -> Criterion:
+    missions: int | Binomial
+    if not math.isnan(row["missions_planned"]):
+        missions = Binomial(row["missions_planned"], row["missions_p"])
+    elif row["missions"].isdecimal():
+        missions = int(row["missions"])
+    else:
+        remedy = "give a whole number, or missions_planned"
+        raise ValueError(f"missions = {row['missions']!r}: {remedy}")
+    return Criterion(row["threshold"], None if math.isnan(row["tau"]) else row["tau"], missions)

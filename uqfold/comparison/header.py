@@ -1,18 +1,14 @@
-"""How a comparison was made: one plain dict, in ``frame.attrs`` and above the rows of a record.
-
-Its fields are those of `FORM`; ``docs/records.md`` says what they mean.
-"""
+"""How a comparison was made: one plain dict, in ``frame.attrs`` and above the rows of a record."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from functools import cache
 from typing import Any
 
 from uqfold.checks import instance, refused
-from uqfold.comparison.encoding import checked, encoded
+from uqfold.comparison.form import HEADER
 from uqfold.comparison.plan import ComparisonPlan
 from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
@@ -21,49 +17,6 @@ from uqfold.provenance import made_by, source_digest
 
 ATTRIBUTE = "uqfold-comparison"
 """Where a frame of a comparison carries its header, in ``frame.attrs``."""
-_TEXTS = {str: str}
-_EQUATION = {"lead": str, "latex": str, "source": str}
-FORM: dict[str, Any] = {
-    "problem": str,
-    "response": str,
-    "response_unit": str,
-    "system": (
-        None,
-        {
-            "units": int,
-            "structure": str,
-            "inputs": [{"name": str, "unit": str, "role": str, "distribution": str}],
-            "dependence": str,
-        },
-    ),
-    "criteria": [
-        {
-            "threshold": float,
-            "tau": (None, float),
-            "missions": (int, {"planned": int, "p": float}),
-        }
-    ],
-    "methods": [
-        {
-            "label": str,
-            "method": str,
-            "title": str,
-            "settings": str,
-            "theory": {"summary": str, "equations": [_EQUATION], "references": [str]},
-        }
-    ],
-    "finished": [str],
-    "seed": int,
-    "max_evals": (None, int),
-    "failed_runs": str,
-    "reference": (None, {"kind": str, "how": str, "command": str}),
-    "command": str,
-    "date": str,
-    "machine": str,
-    "versions": _TEXTS,
-    "source": _TEXTS,
-}
-"""Form of a header, see `encoding.checked`."""
 
 
 def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
@@ -83,15 +36,14 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
         "response": problem.response,
         "response_unit": problem.response_unit,
         "system": _system(problem),
-        "criteria": [encoded_criterion(criterion) for criterion in plan.criteria],
+        "criteria": criteria_forms(plan.criteria),
         "methods": [
             {
                 "label": label,
                 "method": method.name,
                 "title": method.title,
                 "settings": repr(method),
-                # as JSON has it: lists, no tuples
-                "theory": json.loads(json.dumps(asdict(Theory.of(type(method))))),
+                "theory": _theory(type(method)),
             }
             for label, method in plan.methods.items()
         ],
@@ -107,49 +59,35 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
     }
 
 
+def bare_header(problem: str, methods: Mapping[str, str], seed: int) -> dict[str, Any]:
+    """Return the header of rows that only tell their problem, label -> method, and seed."""
+    theory = {"summary": "", "equations": [], "references": []}
+    unknown = {"title": "", "settings": "", "theory": theory}
+    return {
+        **dict.fromkeys(("response_unit", "failed_runs", "command", "date", "machine"), ""),
+        **dict.fromkeys(("system", "max_evals", "reference")),
+        "problem": problem,
+        "response": "response",
+        "criteria": [],
+        "methods": [{"label": label, "method": name} | unknown for label, name in methods.items()],
+        "finished": list(methods),
+        "seed": seed,
+        "versions": {},
+        "source": {},
+    }
+
+
 def checked_header(document: Any) -> dict[str, Any]:
     """Return the header that a document holds; what else it holds is left out.
 
     Raises
     ------
-    KeyError, TypeError, ValueError
+    ValueError, TypeError
         If a field is missing or of the wrong kind.
     """
-    header: dict[str, Any] = checked(document, FORM, "")
+    header: dict[str, Any] = dict(HEADER.validate_python(document, strict=True))
     criteria_of(header)
     return header
-
-
-def bare_header(problem: str, methods: Mapping[str, str], seed: int) -> dict[str, Any]:
-    """Return the header of rows of which nothing else is known.
-
-    Parameters
-    ----------
-    problem
-        Name of the problem.
-    methods
-        Label -> registered name.
-    seed
-        Seed of the methods.
-    """
-    entry = _empty(FORM["methods"][0])
-    return {
-        **_empty(FORM),
-        "problem": problem,
-        "response": "response",
-        "methods": [{**entry, "label": label, "method": name} for label, name in methods.items()],
-        "finished": list(methods),
-        "seed": seed,
-    }
-
-
-def _empty(form: Any) -> Any:
-    """Return what says nothing in a form."""
-    if isinstance(form, dict):
-        return {name: _empty(one) for name, one in form.items() if name is not str}
-    if isinstance(form, list):
-        return []
-    return "" if form is str else None
 
 
 def criteria_of(header: Mapping[str, Any]) -> Criteria:
@@ -158,36 +96,24 @@ def criteria_of(header: Mapping[str, Any]) -> Criteria:
     instance("header", header, (Mapping,), remedy)
     if "criteria" not in header:
         raise refused("header", header, remedy)
-    return Criteria(decoded_criterion(one) for one in header["criteria"])
-
-
-def encoded_criterion(criterion: Criterion) -> dict[str, Any]:
-    """Return a criterion as a JSON object."""
-    missions: Any = criterion.missions
-    if isinstance(missions, Binomial):
-        missions = {"planned": missions.planned, "p": missions.p}
-    return {
-        "threshold": encoded(criterion.threshold),
-        "tau": None if criterion.tau is None else encoded(criterion.tau),
-        "missions": missions,
-    }
-
-
-def decoded_criterion(document: Mapping[str, Any]) -> Criterion:
-    """Return the criterion that `encoded_criterion` was given.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        If it is none.
-    """
-    one = checked(document, FORM["criteria"][0], "criteria")
-    missions = one["missions"]
-    return Criterion(
-        float(one["threshold"]),
-        None if one["tau"] is None else float(one["tau"]),
-        Binomial(missions["planned"], missions["p"]) if isinstance(missions, dict) else missions,
+    return Criteria(
+        Criterion(
+            one["threshold"],
+            one["tau"],
+            Binomial(**one["missions"]) if isinstance(one["missions"], dict) else one["missions"],
+        )
+        for one in header["criteria"]
     )
+
+
+def criteria_forms(criteria: Iterable[Criterion]) -> list[dict[str, Any]]:
+    """Return criteria as plain dicts, for a header."""
+    return [asdict(one) for one in criteria]
+
+
+def _theory(method: type) -> dict[str, Any]:
+    stated = asdict(Theory.of(method))
+    return {name: list(one) if isinstance(one, tuple) else one for name, one in stated.items()}
 
 
 def _system(problem: Problem) -> dict[str, Any]:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import TypeAlias
 
-from uqfold.checks import instance, keep, listed, mapping, or_none, refused, text, whole
+from uqfold.checks import instance, listed, mapping, refused
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
     CriteriaLike,
     checked_budget,
     checked_criteria,
     checked_evaluator,
-    checked_problem,
 )
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.registry import available, named
-from uqfold.methods.seeding import LARGEST_SEED, RandomSource, reduced_seed
+from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria
 
@@ -28,7 +26,7 @@ Methods: TypeAlias = MethodLike | Iterable[MethodLike] | Mapping[str, MethodLike
 
 @dataclass(frozen=True)
 class ComparisonPlan:
-    """A checked question: nothing in it can be refused any more, and nothing has been run.
+    """A checked question, made by `plan_comparison`; nothing has been run.
 
     Attributes
     ----------
@@ -39,30 +37,19 @@ class ComparisonPlan:
     criteria
         The grid that every method answers.
     max_evals
-        Most runs that each method may spend, or None.
+        Most evaluations that each method may spend, or None.
     seed
         Seed that every method gets.
     evaluator
-        How model runs are made.
+        How the model is run.
     """
 
     problem: Problem
     methods: Mapping[str, ReliabilityMethod]
     criteria: Criteria
-    max_evals: int | None = None
-    seed: int = 0
-    evaluator: Evaluator = field(default_factory=Evaluator)
-
-    def __post_init__(self) -> None:
-        keep(self, "problem", instance, Problem, "give a Problem")
-        keep(self, "methods", instance, (Mapping,), "give a dict of label -> method")
-        for label, method in self.methods.items():
-            text("a label of methods", label)
-            instance(f"methods[{label!r}]", method, (ReliabilityMethod,), "give a method")
-        keep(self, "criteria", instance, Criteria, "give criteria(...)")
-        keep(self, "max_evals", or_none, whole, at_least=1)
-        keep(self, "seed", whole, at_least=0, at_most=LARGEST_SEED)
-        keep(self, "evaluator", instance, Evaluator, "give uqfold.Evaluator(...)")
+    max_evals: int | None
+    seed: int
+    evaluator: Evaluator
 
 
 def plan_comparison(
@@ -75,11 +62,11 @@ def plan_comparison(
     evaluator: Evaluator | None = None,
 ) -> ComparisonPlan:
     """Check the arguments of a comparison, without running anything; see `compare` for them."""
-    checked_problem(problem)
+    grid = checked_criteria(problem, criteria)
     return ComparisonPlan(
         problem=problem,
-        methods=MappingProxyType(_labelled(methods)),
-        criteria=checked_criteria(problem, criteria),
+        methods=_labelled(methods),
+        criteria=grid,
         max_evals=checked_budget(max_evals),
         seed=reduced_seed(rng),
         evaluator=checked_evaluator(evaluator),

@@ -15,17 +15,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
-from uqfold.comparison.columns import COLUMNS, rows_of, rows_to_frame
+from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.csv_cells import csv_text
-from uqfold.comparison.encoding import decoded, encoded, parsed_json
+from uqfold.comparison.form import RECORD, SCHEMA, encoded
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.header import ATTRIBUTE, checked_header
+from uqfold.documents import parsed_json, said
 from uqfold.writing import write_text
 
 if TYPE_CHECKING:
     import pandas as pd
 
-SCHEMA = "uqfold-comparison/3"
 EARLIER = "uqfold-comparison/2"
 """As `SCHEMA`, without ``source`` and ``finished``."""
 JSON_NAME = "comparison.json"
@@ -63,13 +63,9 @@ def write_records(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> tuple[
     checked = checked_frame(frame)
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
-    paths = directory / CSV_NAME, directory / JSON_NAME
-    rows = list(rows_of(checked))
-    for path, text in zip(
-        paths, (csv_text(COLUMNS, rows), _json_text(checked.attrs[ATTRIBUTE], rows)), strict=True
-    ):
-        write_text(path, text)
-    return paths
+    write_text(directory / CSV_NAME, csv_text(checked))
+    write_text(directory / JSON_NAME, _json_text(checked))
+    return directory / CSV_NAME, directory / JSON_NAME
 
 
 def read_records(path: str | os.PathLike[str]) -> pd.DataFrame:
@@ -97,17 +93,17 @@ def read_records(path: str | os.PathLike[str]) -> pd.DataFrame:
         file = file / JSON_NAME
     try:
         return _frame(parsed_json(file.read_text(encoding="utf-8")))
-    except (ValueError, KeyError, TypeError) as error:
-        what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
+    except (ValueError, TypeError) as error:
+        what = said(error) if isinstance(error, ValueError) else str(error)
         raise RecordsError(
             f"{file.name} is no readable record of a comparison: {what}. Records are written by "
             "`uqfold compare`; see docs/records.md"
         ) from error
 
 
-def _json_text(header: Mapping[str, Any], rows: list[dict[str, Any]]) -> str:
-    written = [{name: encoded(value) for name, value in row.items()} for row in rows]
-    document = {"schema": SCHEMA, **header, "columns": list(COLUMNS)}
+def _json_text(frame: pd.DataFrame) -> str:
+    document = encoded({"schema": SCHEMA, **frame.attrs[ATTRIBUTE], "columns": list(COLUMNS)})
+    written = encoded(frame.to_dict("records"))
     document["sha256"] = _digest({**document, "rows": written})
     above = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False).removesuffix("\n}")
     lines = ",\n".join(json.dumps(row, ensure_ascii=False, allow_nan=False) for row in written)
@@ -116,34 +112,29 @@ def _json_text(header: Mapping[str, Any], rows: list[dict[str, Any]]) -> str:
 
 def _digest(document: Mapping[str, Any]) -> str:
     """Digest of all that a record says, however it is laid out."""
-    said = {name: value for name, value in document.items() if name != "sha256"}
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
+    stated = {name: value for name, value in document.items() if name != "sha256"}
+    return hashlib.sha256(json.dumps(stated, sort_keys=True).encode()).hexdigest()
 
 
 def _frame(document: Any) -> pd.DataFrame:
-    if not isinstance(document, Mapping):
+    if not isinstance(document, dict):
         raise TypeError("it holds no JSON object")
-    if document.get("schema") not in (SCHEMA, EARLIER):
-        raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
-    if document["columns"] != list(COLUMNS):
+    schema = document.get("schema")
+    if schema not in (SCHEMA, EARLIER):
+        raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}")
+    later = {"schema": SCHEMA, "source": {}, "finished": []} if schema == EARLIER else {}
+    record = RECORD.validate_python({**document, **later}, strict=True)
+    if record["columns"] != list(COLUMNS):
         raise ValueError(f"its columns are not those of {SCHEMA}")
-    rows = [_row(row, i) for i, row in enumerate(document["rows"])]
-    finished = list(dict.fromkeys(row["label"] for row in rows))
-    unknown = {"source": {}, "finished": finished} if document["schema"] == EARLIER else {}
-    header = checked_header({**document, **unknown})
-    if unasked := set(finished) - {one["label"] for one in header["methods"]}:
+    with_rows = list(dict.fromkeys(row["label"] for row in record["rows"]))
+    header = checked_header(record)
+    if schema == EARLIER:
+        header["finished"] = with_rows
+    if unasked := set(with_rows) - {one["label"] for one in header["methods"]}:
         raise ValueError(f"it has rows of {min(unasked)!r}, which is none of its methods")
-    # version 0.1.0 wrote no digest at first
+    # the first records had no digest
     if document.get("sha256", digest := _digest(document)) != digest:
         raise ValueError("it is damaged: it does not have the digest that it states")
-    frame = rows_to_frame(rows)
+    frame = rows_to_frame(record["rows"])
     frame.attrs[ATTRIBUTE] = header
     return frame
-
-
-def _row(row: Mapping[str, Any], index: int) -> dict[str, Any]:
-    if list(row) != list(COLUMNS):
-        raise ValueError(f"row {index} has not the columns of the record")
-    return {
-        name: decoded(row[name], kind, f"row {index}, {name}") for name, kind in COLUMNS.items()
-    }

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, TypeAlias, get_args
 
 from uqfold.checks import choice, instance, or_none, refused, several
 from uqfold.checks import path as checked_path
-from uqfold.comparison.encoding import parsed_json
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.records import JSON_NAME, read_records
+from uqfold.documents import parsed_json
 from uqfold.report.page.builder import Format, Page
 from uqfold.validation.kept import kept_records
 from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
