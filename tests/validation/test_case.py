@@ -28,7 +28,7 @@ def test_a_case_is_read(cases: Path) -> None:
             'schema = "uqfold-case/2"',
             "its schema is not 'uqfold-case/1'",
         ),
-        ("tolerance =", "tolerances =", "tolerances is no field here: do you mean 'tolerance'?"),
+        ("tolerance =", "tolerances =", "tolerances is not a field here: do you mean 'tolerance'?"),
         ('source = "mathematics"\n', "", "the field source is missing"),
         ('"exact solution"', '"exact"', "kind: Input should be 'paper claim', .*, not 'exact'"),
         ("[7]", "[-7]", r"seeds\[0\]: Input should be greater than or equal to 0, not"),

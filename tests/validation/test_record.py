@@ -101,7 +101,7 @@ FIRST = "measurement/findings/0"
     [
         (_set("schema", "uqfold-validation/1"), "its schema is 'uqfold-validation/1', not"),
         (lambda d: d["case"].pop("claim"), r"the field case.claim is missing"),
-        (_set("case/claims", "x"), "case.claims is no field here: do you mean 'claim'?"),
+        (_set("case/claims", "x"), "case.claims is not a field here: do you mean 'claim'?"),
         (_set("note", "x"), "note is not what the rest of it gives"),
         (_set("case/claim", ""), "case.claim: String should have at least 1 character"),
         (_set("case/kind", "exact solutions"), "case.kind: Input should be .*'exact solution'"),
@@ -135,7 +135,8 @@ def test_what_is_wrong_is_named(
         ("[]", "no JSON object"),
         ("{", "Expecting"),
         ('{"a": NaN}', "NaN is not JSON"),
-        ("[" * 100_000, "recursion"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"a": 1e400}', "1e400 is too large"),
     ],
 )
 def test_other_files_are_refused(tmp_path: Path, text: str, message: str) -> None:

@@ -14,8 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
+from uqfold.documents import said
 from uqfold.methods.seeding import LARGEST_SEED
 from uqfold.validation.findings import Verdict
 
@@ -156,7 +157,7 @@ def load_cases(folder: str | os.PathLike[str]) -> list[Case]:
             raise ValueError(f"its schema is not {SCHEMA!r}")
         return [_case(path, document | own) for own in document.pop("case", [{}])]
     except ValueError as error:
-        raise CaseError(f"{path.name}/{DECLARATION}: {said(error)}") from error
+        raise CaseError(f"{path.name}/{DECLARATION}: {refusal(error)}") from error
 
 
 def find_cases(cases: str | os.PathLike[str], names: Iterable[str] = ()) -> list[Case]:
@@ -184,21 +185,9 @@ def find_cases(cases: str | os.PathLike[str], names: Iterable[str] = ()) -> list
     return sorted((found[name] for name in chosen), key=lambda one: (one.declared.topic, one.name))
 
 
-def said(error: ValueError) -> str:
+def refusal(error: ValueError) -> str:
     """Return what is wrong with a document, the first place that a schema refuses."""
-    if not isinstance(error, ValidationError):
-        return str(error)
-    # a misspelt field before the one that is missing instead
-    first, *_ = sorted(error.errors(), key=lambda one: one["type"] != "unexpected_keyword_argument")
-    steps = [step for step in first["loc"] if step != "declared"]
-    where = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in steps).lstrip(".")
-    if first["type"] == "unexpected_keyword_argument":
-        near = difflib.get_close_matches(str(steps[-1]), Declaration.__dataclass_fields__, n=1)
-        hint = f": do you mean {near[0]!r}?" if near else ""
-        return f"{where} is no field here{hint}"
-    if first["type"].startswith("missing"):
-        return f"the field {where} is missing"
-    return f"{where}: {first['msg']}, not {str(first['input'])[:60]!r}"
+    return said(error, Declaration.__dataclass_fields__).replace("declared.", "", 1)
 
 
 def _case(folder: Path, document: dict[str, Any]) -> Case:

@@ -12,13 +12,14 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn, cast
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, TypeAdapter, computed_field
 
 from uqfold.checks import instance
 from uqfold.checks import path as checked_path
-from uqfold.validation.case import STRICT, Declaration, Fault, Tier, said
+from uqfold.documents import parsed_json
+from uqfold.validation.case import STRICT, Declaration, Fault, Tier, refusal
 from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict
 from uqfold.validation.measurement import Measurement, claim_verdicts
 from uqfold.writing import write_text
@@ -142,7 +143,7 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
     """
     file = checked_path("path", path)
     try:
-        document = json.loads(file.read_text(encoding="utf-8"), parse_constant=_refuse)
+        document = parsed_json(file.read_text(encoding="utf-8"))
         if not isinstance(document, dict):
             raise TypeError("it holds no JSON object")
         if document.get("schema") != SCHEMA:
@@ -155,8 +156,8 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
         for where in given | followed:
             if where not in given or where not in followed or given[where] != followed[where]:
                 raise ValueError(f"{where} is not what the rest of it gives")
-    except (ValueError, TypeError, RecursionError) as error:
-        text = said(error) if isinstance(error, ValueError) else str(error)
+    except (ValueError, TypeError) as error:
+        text = refusal(error) if isinstance(error, ValueError) else str(error)
         raise RecordError(
             f"{file.name} is no readable record of a validation case: {text}. Records are written "
             "by `uqfold validate`; see docs/validation.md"
@@ -207,7 +208,3 @@ def _leaves(value: Any, where: str) -> Iterator[tuple[str, Any]]:
 def _on_one_line(found: re.Match[str]) -> str:
     # a text holds no line break of its own
     return re.sub(r"\n\s*", " ", re.sub(r"(?<=\[)\n\s*|\n\s*(?=\]$)", "", found[0]))
-
-
-def _refuse(word: str) -> NoReturn:
-    raise ValueError(f"{word} is not JSON")
