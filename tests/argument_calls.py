@@ -724,6 +724,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "runs": count(),
                 "sparse": flag(),
                 "max_degree": count(),
+                "basis": choice("own"),
                 "design": choice("ffni"),
                 "nodes_shared": nodes,
                 "nodes_individual": nodes,

@@ -15,7 +15,7 @@ sections 2.2 and 3.1.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,39 +66,63 @@ def gauss_rule(marginal: Any, n: int) -> tuple[FloatArray, FloatArray]:
     n = whole("n", n, at_least=1, at_most=MAX_GAUSS_NODES)
     if not isinstance(marginal, Marginal):
         marginal = checked_marginal(marginal, "marginal")
+    found = recurrence(marginal, n)
+    if found is None:
+        raise ValueError(
+            f"no Gauss rule with {n} nodes for {marginal}: its moments up to order "
+            f"{2 * n - 1} may not exist, or exceed double precision; use fewer nodes"
+        )
+    nodes, weights, _ = _rule_of_recurrence(found.diagonal, found.off_diagonal)
+    return found.origin + found.scale * nodes, weights / weights.sum()
+
+
+class Recurrence(NamedTuple):
+    """Orthonormal polynomials of a distribution, by their three-term recurrence.
+
+    Attributes
+    ----------
+    origin, scale
+        The standard variable is z = (x - origin) / scale.
+    diagonal, off_diagonal
+        a (n,) and b (n - 1,) in z p_k = b_{k-1} p_{k-1} + a_k p_k + b_k p_{k+1}, p_0 = 1: enough
+        for the polynomials up to degree n - 1.
+    """
+
+    origin: float
+    scale: float
+    diagonal: FloatArray
+    off_diagonal: FloatArray
+
+
+def recurrence(marginal: Marginal, n: int) -> Recurrence | None:
+    """Return the first n orthonormal polynomials of a marginal.
+
+    None where moments up to order 2 n - 1 are missing or beyond double precision.
+
+    Raises
+    ------
+    ValueError
+        If density and quantiles of the marginal contradict each other.
+    """
     own, family = family_of(marginal.distribution)
     if isinstance(marginal, ClosedMarginal) and family in _CLASSICAL:
-        origin, scale, a, b = _CLASSICAL[family](own, n)
-        standard, weights, _ = _rule_of_recurrence(a, b)
-        nodes = origin + scale * standard
-    else:
-        rule = _rule_of_measure(_discrete_measure(marginal), n)
-        if rule is None:
-            raise ValueError(
-                f"no Gauss rule with {n} nodes for {marginal}: its moments up to order "
-                f"{2 * n - 1} may not exist, or exceed double precision; use fewer nodes"
-            )
-        nodes, weights = rule
-    return nodes, weights / weights.sum()
+        return _CLASSICAL[family](own, n)
+    return _of_measure(_discrete_measure(marginal), n)
 
 
-_Recurrence: TypeAlias = tuple[float, float, FloatArray, FloatArray]
-"""Origin, scale, and the diagonal (n,) and off-diagonal (n - 1,) of the standard Jacobi matrix."""
-
-
-def _of_normal(d: Any, n: int) -> _Recurrence:
+def _of_normal(d: Any, n: int) -> Recurrence:
     mean, std = d.getParameter()
-    return mean, std, np.zeros(n), np.sqrt(np.arange(1.0, n))
+    return Recurrence(mean, std, np.zeros(n), np.sqrt(np.arange(1.0, n)))
 
 
-def _of_gamma(d: Any, n: int) -> _Recurrence:
+def _of_gamma(d: Any, n: int) -> Recurrence:
     shape = d.getK() if d.getClassName() == "Gamma" else 1.0
     j = np.arange(float(n))
     off = np.sqrt(j[1:] * (j[1:] + shape - 1.0))
-    return d.getGamma(), 1.0 / d.getLambda(), 2.0 * j + shape, off
+    return Recurrence(d.getGamma(), 1.0 / d.getLambda(), 2.0 * j + shape, off)
 
 
-def _of_beta(d: Any, n: int) -> _Recurrence:
+def _of_beta(d: Any, n: int) -> Recurrence:
     low, high = d.getA(), d.getB()
     p, q = (d.getAlpha(), d.getBeta()) if d.getClassName() == "Beta" else (1.0, 1.0)
     total, j = p + q, np.arange(1.0, n)
@@ -109,10 +133,11 @@ def _of_beta(d: Any, n: int) -> _Recurrence:
     i, k = j[1:], k[1:]
     rest = 4.0 * i * (i + p - 1.0) * (i + q - 1.0) * (i + total - 2.0)
     squares = np.append(first, rest / ((k - 2.0) ** 2 * (k - 1.0) * (k - 3.0)))
-    return 0.5 * (low + high), 0.5 * (high - low), diagonal, np.sqrt(squares[: n - 1])
+    off = np.sqrt(squares[: n - 1])
+    return Recurrence(0.5 * (low + high), 0.5 * (high - low), diagonal, off)
 
 
-_CLASSICAL: dict[str, Callable[[Any, int], _Recurrence]] = {
+_CLASSICAL: dict[str, Callable[[Any, int], Recurrence]] = {
     "Beta": _of_beta,
     "Exponential": _of_gamma,
     "Gamma": _of_gamma,
@@ -202,8 +227,8 @@ def _panels(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     return (0.5 * (edges[1:] + edges[:-1])[:, None] + half * x).ravel(), (half * w).ravel()
 
 
-def _rule_of_measure(measure: _Measure, n: int) -> tuple[FloatArray, FloatArray] | None:
-    """Gauss rule of a discrete measure, or None where it does not stand up to its own checks."""
+def _of_measure(measure: _Measure, n: int) -> Recurrence | None:
+    """Recurrence of a discrete measure, or None where its rule fails its own checks."""
     points = measure.points
     level = np.cumsum(measure.probabilities)
     lower, center, upper = np.interp([0.25, 0.5, 0.75], level / level[-1], points)
@@ -229,8 +254,8 @@ def _rule_of_measure(measure: _Measure, n: int) -> tuple[FloatArray, FloatArray]
         finite = np.isfinite(a).all() and np.isfinite(b).all()
         if not (finite and tails <= _TAIL_SHARE * highest.sum()):
             return None
-        nodes, weights, p = _rule_of_recurrence(a, b)
+        _, weights, p = _rule_of_recurrence(a, b)
         departure = np.abs((p * weights) @ p.T - np.eye(n)).max()
     if not departure <= _DEPARTURE:
         return None
-    return center + (upper - lower) * nodes, weights
+    return Recurrence(float(center), float(upper - lower), a, b)

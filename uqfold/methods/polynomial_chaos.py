@@ -10,6 +10,7 @@ import numpy as np
 from uqfold.checks import choice, flag, keep, whole
 from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
+from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
@@ -29,6 +30,7 @@ from uqfold.surrogates.polynomial_chaos import (
 from uqfold.typing import FloatArray
 
 Design: TypeAlias = Literal["space-filling", "ffni"]
+Basis: TypeAlias = Literal["best", "hermite", "own"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +60,10 @@ class PolynomialChaosDetails:
 class PolynomialChaos(SequentialMethod):
     """Polynomial chaos expansion by regression, integrated over without sampling.
 
-    Hermite polynomials in the standard-normal space of the Rosenblatt transformation are fitted
-    to the responses at a design, with a degree that the corrected leave-one-out error chooses.
+    Orthonormal polynomials are fitted to the responses at a design, with a degree that the
+    corrected leave-one-out error chooses: Hermite polynomials in the standard-normal space of the
+    Rosenblatt transformation, or those of the inputs' own distributions (Legendre for uniform,
+    Laguerre for exponential ones, ...), whichever predicts runs left out better.
     The conditional distribution of the response given the shared inputs, and from it every
     criterion with its missions and tau, follow by integration over the expansion. The residuals
     are carried into the stated error.
@@ -72,6 +76,9 @@ class PolynomialChaos(SequentialMethod):
         Whether least-angle regression may leave polynomials out, or all up to the degree stay.
     max_degree
         Highest total degree that is tried.
+    basis
+        ``best``, or only one kind of polynomials: ``hermite``, or ``own``. Normal inputs, inputs
+        that depend on others and inputs without a variance have Hermite polynomials in any case.
     design
         ``space-filling``, or ``ffni``: the nodes of full-factorial numerical integration, so that
         runs already made for that method serve twice.
@@ -96,6 +103,7 @@ class PolynomialChaos(SequentialMethod):
     runs: int = 100
     sparse: bool = True
     max_degree: int = 10
+    basis: Basis = "best"
     design: Design = "space-filling"
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
@@ -105,6 +113,7 @@ class PolynomialChaos(SequentialMethod):
         keep(self, "runs", whole, at_least=1)
         keep(self, "sparse", flag)
         keep(self, "max_degree", whole, at_least=1)
+        keep(self, "basis", choice, get_args(Basis))
         keep(self, "design", choice, get_args(Design))
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
@@ -132,27 +141,40 @@ class PolynomialChaos(SequentialMethod):
         # n nodes cannot tell u^n from lower powers
         orders = np.array(self._counts(inputs)) - 1 if self.design == "ffni" else None
 
-        def fit(stopped: str) -> tuple[PolynomialChaosExpansion, str]:
-            return fit_polynomial_chaos(
-                *fitted, sparse=self.sparse, max_degree=self.max_degree, max_orders=orders
-            ), stopped
+        def fit(stopped: str) -> tuple[list[PolynomialChaosExpansion], str]:
+            return [
+                fit_polynomial_chaos(
+                    *fitted,
+                    sparse=self.sparse, max_degree=self.max_degree, max_orders=orders, own=own,
+                )
+                for own in self._bases(inputs)
+            ], stopped  # fmt: skip
 
-        surface, stopped = task.summed_up(fit)
+        surfaces, stopped = task.summed_up(fit)
+        # the first of two that are equally good
+        surface, *others = sorted(surfaces, key=lambda one: one.regression.error)
         if stopped:
             runs = replace(runs, stopped=stopped)
         rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
-        rivals = []
+        rivals = [Rival.by_prediction(surface, other) for other in others]
         if orders is not None:
             # and leaving out one of them does not show what is missing: what the highest power
             # that they can tell changes stands for that error
             lower = surface.indices[(surface.indices < orders).all(axis=1)]
-            rivals = [Rival(fit_basis(*fitted, lower), share=1.0)]
+            rivals.append(Rival(fit_basis(*fitted, lower, surface.basis), share=1.0))
         estimates = surface_estimates(task, surface, runs, rng, rivals=rivals)
         validated = surface.leave_one_out()
         scatter = float(fitted[1].std())
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
         details = PolynomialChaosDetails(surface, surface.sobol_indices(), validated, relative)
         return Solution(estimates, details)
+
+    def _bases(self, inputs: JointInputs) -> list[list[OwnPolynomials | None] | None]:
+        """Sets of polynomials to try; None: those of Hermite."""
+        own = None if self.basis == "hermite" else own_polynomials(inputs, self.max_degree + 1)
+        if own is None or not any(own):
+            return [None]
+        return [own] if self.basis == "own" else [None, own]
 
     def _standard_nodes(self, inputs: JointInputs, x: FloatArray) -> FloatArray:
         """Nodes of the factorial design in standard-normal space, in the order of its rows x."""

@@ -46,9 +46,10 @@ KRIGING = Theory(
 
 POLYNOMIAL_CHAOS = Theory(
     summary=(
-        "The response is expanded in orthonormal Hermite polynomials of the standard-normal "
-        "variables and fitted by regression; the corrected leave-one-out error chooses the "
-        "degree, least-angle regression the terms. The conditional distributions follow by "
+        "The response is expanded in orthonormal polynomials, those of Hermite of the "
+        "standard-normal variables or those of the inputs' own distributions, and fitted by "
+        "regression; the corrected leave-one-out error chooses among the two and the degree, "
+        "least-angle regression the terms. The conditional distributions follow by "
         "integration over the expansion, without sampling. The residuals are carried into the "
         "stated error."
     ),
@@ -67,6 +68,8 @@ POLYNOMIAL_CHAOS = Theory(
     references=(
         "Blatman G., Sudret B. Adaptive sparse polynomial chaos expansion based on least angle "
         "regression. Journal of Computational Physics 230 (2011) 2345-2367.",
+        "Xiu D., Karniadakis G. E. The Wiener-Askey polynomial chaos for stochastic differential "
+        "equations. SIAM Journal on Scientific Computing 24 (2002) 619-644.",
         "Sudret B. Global sensitivity analysis using polynomial chaos expansions. Reliability "
         "Engineering and System Safety 93 (2008) 964-979.",
     ),

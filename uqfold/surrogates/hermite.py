@@ -1,4 +1,4 @@
-"""Orthonormal Hermite polynomials of standard-normal variables, the basis of all expansions here.
+"""Products of orthonormal polynomials, those of Hermite in standard-normal variables first of all.
 
 A multi-index a = (a_1, ..., a_d) stands for the product of the polynomials of degree a_i in u_i.
 """
@@ -6,11 +6,16 @@ A multi-index a = (a_1, ..., a_d) stands for the product of the polynomials of d
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from itertools import chain, combinations_with_replacement
+from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.typing import FloatArray, IntArray
+
+Polynomials: TypeAlias = Callable[[FloatArray, int], FloatArray]
+"""Values (n, degree + 1) of one variable's polynomials at its standard-normal scores (n,)."""
 
 
 def total_degree_indices(dimension: int, degree: int) -> IntArray:
@@ -39,7 +44,7 @@ def fixed_degree_indices(dimension: int, degree: int) -> IntArray:
 
 
 def hermite_basis(u: FloatArray, indices: IntArray) -> FloatArray:
-    """Evaluate the orthonormal basis.
+    """Evaluate products of Hermite polynomials.
 
     Parameters
     ----------
@@ -53,13 +58,21 @@ def hermite_basis(u: FloatArray, indices: IntArray) -> FloatArray:
     FloatArray
         Values (n, P); their expected products under the standard normal are 0 or 1.
     """
+    return product_basis(u, indices, [one_dimensional] * u.shape[1])
+
+
+def product_basis(
+    u: FloatArray, indices: IntArray, polynomials: Sequence[Polynomials]
+) -> FloatArray:
+    """Evaluate products (n, P) of any polynomials, one kind for each of the d variables."""
     degrees = indices.max(axis=0, initial=0)
     basis = np.ones((u.shape[0], indices.shape[0]))
     for column, degree in enumerate(degrees):
         if degree > 0:
             # of many variables, most polynomials hold few
             some = np.flatnonzero(indices[:, column])
-            basis[:, some] *= one_dimensional(u[:, column], int(degree))[:, indices[some, column]]
+            values = polynomials[column](u[:, column], int(degree))
+            basis[:, some] *= values[:, indices[some, column]]
     return basis
 
 

@@ -1,14 +1,16 @@
-"""Polynomial chaos: Hermite expansions of a response, fitted by regression.
+"""Polynomial chaos: expansions of a response in orthonormal polynomials, fitted by regression.
 
-The response is expanded in orthonormal Hermite polynomials of the standard-normal variables of
-the Rosenblatt transformation. Which polynomials are kept is decided by the corrected
-leave-one-out error: all up to some total degree, or the leading ones of a least-angle path
-through many (`uqfold.surrogates.selection`).
+The polynomials are those of Hermite, in the standard-normal variables of the Rosenblatt
+transformation, or those of the inputs' own distributions. Which ones are kept is decided by the
+corrected leave-one-out error: all up to some total degree, or the leading ones of a least-angle
+path through many (`uqfold.surrogates.selection`).
 
 References
 ----------
 Blatman G., Sudret B. Adaptive sparse polynomial chaos expansion based on least angle regression.
 J. Comput. Phys. 230 (2011) 2345-2367.
+Xiu D., Karniadakis G. E. The Wiener-Askey polynomial chaos for stochastic differential equations.
+SIAM J. Sci. Comput. 24 (2002) 619-644.
 Sudret B. Global sensitivity analysis using polynomial chaos expansions. Reliab. Eng. Syst. Saf.
 93 (2008) 964-979.
 """
@@ -19,16 +21,23 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Protocol
 
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.hermite import fixed_degree_indices, hermite_basis, rescaled
+from uqfold.surrogates.hermite import (
+    fixed_degree_indices,
+    hermite_basis,
+    one_dimensional,
+    product_basis,
+    rescaled,
+)
 from uqfold.surrogates.random_field import RandomField, random_field
-from uqfold.surrogates.selection import Regression, select_basis
+from uqfold.surrogates.selection import Basis, Regression, select_basis
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
@@ -46,9 +55,26 @@ class VarianceShares:
     total: FloatArray
 
 
+class InputPolynomials(Protocol):
+    """Orthonormal polynomials of one input's own distribution."""
+
+    @property
+    def highest(self) -> int:
+        """Highest degree there is."""
+        ...
+
+    def __call__(self, u: FloatArray, degree: int) -> FloatArray:
+        """Values (n, degree + 1) at the input's normal scores u (n,)."""
+        ...
+
+    def ladder(self, x: Any, degree: int) -> list[Any]:
+        """Polynomials of degree 0 to `degree` in the input x, an array or a symbol."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class PolynomialChaosExpansion:
-    """Expansion of a response in orthonormal Hermite polynomials.
+    """Expansion of a response in orthonormal polynomials.
 
     Attributes
     ----------
@@ -64,6 +90,10 @@ class PolynomialChaosExpansion:
         Matrix (P, p) from the p coefficients of the regression to those here.
     spread
         Root mean square of the design's coordinates.
+    design
+        Points (n, d) of the fit.
+    own
+        The polynomials of each of the d inputs, None for those of Hermite; None: all of Hermite.
     """
 
     indices: IntArray
@@ -72,6 +102,13 @@ class PolynomialChaosExpansion:
     regression: Regression
     transfer: FloatArray
     spread: float
+    design: FloatArray
+    own: Sequence[InputPolynomials | None] | None = None
+
+    @property
+    def basis(self) -> Basis:
+        """The polynomials."""
+        return _basis(self.own)
 
     @property
     def degree(self) -> int:
@@ -90,7 +127,7 @@ class PolynomialChaosExpansion:
 
     def mean(self, u: FloatArray) -> FloatArray:
         """Values (m,) of the expansion at u (m, d)."""
-        return evaluate(u, self.indices, self.coefficients[:, None])[:, 0]
+        return evaluate(u, self.indices, self.coefficients[:, None], self.basis)[:, 0]
 
     def leave_one_out(self) -> LeaveOneOut:
         """Prediction of every response from all others, basis kept."""
@@ -119,10 +156,14 @@ class PolynomialChaosExpansion:
         drawn = self.transfer @ (self.residual_std * scatter)
         influence = self.sobol_indices().total
         omitted = _next_degree(influence, self.degree + 1)
+        if self.own is not None:
+            omitted = omitted[(omitted <= _highest(self.own)).all(axis=1)]
         shares = _multinomial(omitted, influence)
         kept = np.argsort(-shares, kind="stable")[:_OMITTED]
         error = self.leave_one_out().rms
         size = error * np.sqrt(shares[kept] / shares[kept].sum())
+        if self.own is not None:
+            size = size / np.sqrt(np.mean(self.basis(self.design, omitted[kept]) ** 2, axis=0))
         amplitudes = size[:, None] * rng.standard_normal((kept.size, count))
         field = random_field("gaussian", np.full(d, self.spread), _FEATURES, count, rng)
         return ExpansionPaths(
@@ -141,7 +182,10 @@ class PolynomialChaosExpansion:
         return VarianceShares(main=share @ alone, total=share @ active)
 
     def to_chaospy(self, names: Sequence[str] | None = None) -> Any:
-        """Return the expansion as a chaospy polynomial of independent standard-normal variables.
+        """Return the expansion as a chaospy polynomial.
+
+        Its variables are independent and standard-normal, or, for an expansion in the inputs' own
+        polynomials, the inputs themselves where they are not normal.
 
         Parameters
         ----------
@@ -153,8 +197,13 @@ class PolynomialChaosExpansion:
         d = self.indices.shape[1]
         variables = chaospy.variable(d) if names is None else chaospy.symbols(list(names))
         variables = [variables] if d == 1 else list(variables)
-        degree = self.indices.max(initial=0)
-        ladders = [_ladder(variable, int(degree)) for variable in variables]
+        own = self.own or [None] * d
+        ladders = [
+            _ladder(variable, degree) if one is None else one.ladder(variable, degree)
+            for variable, one, degree in zip(
+                variables, own, self.indices.max(axis=0).tolist(), strict=True
+            )
+        ]
         total: Any = 0.0
         for index, coefficient in zip(self.indices, self.coefficients, strict=True):
             term: Any = float(coefficient)
@@ -176,7 +225,8 @@ class ExpansionPaths:
     coefficients
         R sets of coefficients in its polynomials (P, R).
     omitted, amplitudes
-        Multi-indices (Q, d) of further polynomials of u / spread, and their coefficients (Q, R).
+        Multi-indices (Q, d) of further polynomials, those of Hermite of u / spread, and their
+        coefficients (Q, R).
     field
         A random field on top of each surface.
     """
@@ -189,18 +239,22 @@ class ExpansionPaths:
 
     def __call__(self, u: FloatArray) -> FloatArray:
         """Values (R, m) at u (m, d)."""
-        values = evaluate(u, self.expansion.indices, self.coefficients)
-        values += evaluate(u / self.expansion.spread, self.omitted, self.amplitudes)
+        base = self.expansion
+        values = evaluate(u, base.indices, self.coefficients, base.basis)
+        scaled = u / base.spread if base.own is None else u
+        values += evaluate(scaled, self.omitted, self.amplitudes, base.basis)
         return values.T + self.field(u)
 
 
-def evaluate(u: FloatArray, indices: IntArray, coefficients: FloatArray) -> FloatArray:
+def evaluate(
+    u: FloatArray, indices: IntArray, coefficients: FloatArray, basis: Basis = hermite_basis
+) -> FloatArray:
     """Values (m, R) of R expansions with coefficients (P, R) at u (m, d)."""
     out = np.empty((u.shape[0], coefficients.shape[1]))
     for start in range(0, u.shape[0], _CHUNK):
         check_time()
         rows = slice(start, start + _CHUNK)
-        out[rows] = hermite_basis(u[rows], indices) @ coefficients
+        out[rows] = basis(u[rows], indices) @ coefficients
     return out
 
 
@@ -212,6 +266,7 @@ def fit_polynomial_chaos(
     sparse: bool = True,
     max_degree: int = 10,
     max_orders: IntArray | None = None,
+    own: Sequence[InputPolynomials | None] | None = None,
 ) -> PolynomialChaosExpansion:
     """Fit an expansion to responses.
 
@@ -228,6 +283,9 @@ def fit_polynomial_chaos(
     max_orders
         Highest degree in each variable (d,), where the design can tell no higher ones apart;
         None: no further limit.
+    own
+        Polynomials of each of the d inputs' own distributions, None for those of Hermite; None:
+        all of Hermite.
 
     Raises
     ------
@@ -239,13 +297,18 @@ def fit_polynomial_chaos(
         raise ValueError(f"u has shape {u.shape}, y {y.shape}: expected (n, d) and (n,), n >= 2")
     if not (np.isfinite(u).all() and np.isfinite(y).all()):
         raise ValueError("u and y must be finite: leave out failed runs and infinite responses")
-    # Hermite polynomials of u / spread are about orthogonal over the design
     spread = float(np.sqrt(np.mean(u**2))) or 1.0
     centre = centre_of(y)
+    # Hermite polynomials of u / spread are about orthogonal over the design
+    points, limits = (u / spread, max_orders) if own is None else (u, _highest(own, max_orders))
     found = select_basis(
-        u / spread, y - centre, sparse=sparse, max_degree=max_degree, max_orders=max_orders
-    )
-    indices, transfer = _transfer(found.indices, spread)
+        points, y - centre,
+        sparse=sparse, max_degree=max_degree, max_orders=limits, basis=_basis(own),
+    )  # fmt: skip
+    if own is None:
+        indices, transfer = _transfer(found.indices, spread)
+    else:
+        indices, transfer = found.indices, np.eye(found.indices.shape[0])
     freedom = max(y.size - found.coefficients.size, 1)
     coefficients = transfer @ found.coefficients
     coefficients[0] += centre
@@ -256,20 +319,37 @@ def fit_polynomial_chaos(
         regression=found,
         transfer=transfer,
         spread=spread,
+        design=u,
+        own=own,
     )
+
+
+def _basis(own: Sequence[InputPolynomials | None] | None) -> Basis:
+    if own is None:
+        return hermite_basis
+    return partial(product_basis, polynomials=[one or one_dimensional for one in own])
+
+
+def _highest(
+    own: Sequence[InputPolynomials | None], max_orders: IntArray | None = None
+) -> IntArray:
+    """Highest degree (d,) of each input's polynomials."""
+    most = np.iinfo(np.int64).max
+    highest = np.array([most if one is None else one.highest for one in own], dtype=np.int64)
+    return highest if max_orders is None else np.minimum(highest, max_orders)
 
 
 @one_blas_thread()
 def fit_basis(
-    u: FloatArray, y: FloatArray, indices: IntArray
+    u: FloatArray, y: FloatArray, indices: IntArray, basis: Basis = hermite_basis
 ) -> Callable[[FloatArray], FloatArray]:
     """Fit the polynomials with the given multi-indices (P, d), the constant among them."""
     centre = centre_of(y)
-    found = np.linalg.lstsq(hermite_basis(u, indices), y - centre, rcond=None)[0]
+    found = np.linalg.lstsq(basis(u, indices), y - centre, rcond=None)[0]
     coefficients = np.asarray(found, dtype=float)
 
     def mean(points: FloatArray) -> FloatArray:
-        return evaluate(points, indices, coefficients[:, None])[:, 0] + centre
+        return evaluate(points, indices, coefficients[:, None], basis)[:, 0] + centre
 
     return mean
 

@@ -13,13 +13,18 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.surrogates.hermite import hermite_basis, total_degree_indices
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
+
+Basis: TypeAlias = Callable[[FloatArray, IntArray], FloatArray]
+"""Values (n, P) of the polynomials with multi-indices (P, d) at points u (n, d)."""
 
 # Candidate polynomials per point, and in all, of a least-angle path.
 _CANDIDATES = 5
@@ -37,7 +42,7 @@ _MOST_OPERATIONS = 40_000_000_000
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """Least-squares fit in a Hermite basis.
+    """Least-squares fit in a basis of polynomials.
 
     Attributes
     ----------
@@ -68,13 +73,14 @@ def select_basis(
     sparse: bool,
     max_degree: int,
     max_orders: IntArray | None = None,
+    basis: Basis = hermite_basis,
 ) -> Regression:
     """Raise the degree until the corrected leave-one-out error stops falling; keep the best fit.
 
     Parameters
     ----------
     u
-        Points (n, d), scaled to unit spread.
+        Points (n, d); for Hermite polynomials scaled to unit spread.
     y
         Responses (n,).
     sparse
@@ -83,9 +89,12 @@ def select_basis(
         Highest total degree.
     max_orders
         Highest degree in each variable (d,); None: `max_degree`.
+    basis
+        The polynomials.
     """
     n, d = u.shape
-    best = _Fits(u, y, total_degree_indices(d, 0)).prefix(1)
+    constant = total_degree_indices(d, 0)
+    best = _Fits(basis(u, constant), y, constant).prefix(1)
     since = 0
     for degree in range(1, max_degree + 1):
         check_time()
@@ -98,13 +107,14 @@ def select_basis(
         size = candidates.shape[0]
         contenders = []
         if size * _POINTS_PER_TERM <= n and n * size**2 <= _MOST_OPERATIONS:
-            contenders.append(_Fits(u, y, candidates).prefix(size))
+            contenders.append(_Fits(basis(u, candidates), y, candidates).prefix(size))
         elif not sparse:
             break
         if sparse and degree > 1:
             if size > min(_CANDIDATES * n, _MOST_CANDIDATES):
                 break
-            contenders.append(_Fits(u, y, _least_angle_path(u, y, candidates)).best())
+            path = _least_angle_path(basis(u, candidates), y, candidates)
+            contenders.append(_Fits(basis(u, path), y, path).best())
         best = min([best, *contenders], key=lambda fit: fit.error)
         since = 0 if best.error < before else since + 1
         if since >= _PATIENCE:
@@ -119,10 +129,10 @@ class _Fits:
     factor is the leading block of R^-1.
     """
 
-    def __init__(self, u: FloatArray, y: FloatArray, indices: IntArray) -> None:
+    def __init__(self, basis: FloatArray, y: FloatArray, indices: IntArray) -> None:
         from scipy.linalg import solve_triangular
 
-        q, r = np.linalg.qr(hermite_basis(u, indices))
+        q, r = np.linalg.qr(basis)
         diagonal = np.abs(np.diag(r))
         dependent = np.flatnonzero(diagonal <= _DEPENDENT * np.maximum.accumulate(diagonal))
         p = int(dependent[0]) if dependent.size else diagonal.size
@@ -169,12 +179,11 @@ class _Fits:
         )
 
 
-def _least_angle_path(u: FloatArray, y: FloatArray, candidates: IntArray) -> IntArray:
+def _least_angle_path(basis: FloatArray, y: FloatArray, candidates: IntArray) -> IntArray:
     """Polynomials in the order in which the least-angle path takes them, the constant first."""
     from sklearn.linear_model import lars_path
 
-    basis = hermite_basis(u, candidates)[:, 1:]
-    basis = basis - basis.mean(axis=0)
+    basis = basis[:, 1:] - basis[:, 1:].mean(axis=0)
     length = np.linalg.norm(basis, axis=0)
     usable = np.flatnonzero(length > _DEPENDENT * length.max())
     basis = basis[:, usable] / length[usable]
