@@ -9,12 +9,13 @@ from typing import Any
 import pytest
 
 from tests.report.page.reading import Element, read
+from tests.report.page.reading import cards as cards_of
 from tests.validation.case_folder import DECLARED, make_case
 from tests.validation.records import claims_record, full_record
 from uqfold.plots.telling import values
 from uqfold.report import report_page, write_report
-from uqfold.report.page.builder import Card, Page
-from uqfold.report.page.markup import plain
+from uqfold.report.page.builder import Page
+from uqfold.report.page.markup import inline_html
 from uqfold.report.validation_page import validation_page
 from uqfold.validation import CaseRecord, Finding, Measurement
 from uqfold.validation.case import Fault, load_cases
@@ -45,9 +46,8 @@ def built(source: Any) -> Page:
 
 def cards(page: Page) -> dict[str, tuple[str, str, str]]:
     return {
-        card.title: (card.answer, " ".join(map(plain, card.more)), card.tone)
-        for card in page.blocks
-        if isinstance(card, Card)
+        title: (card["answer"], read(inline_html(" ".join(card["more"]))).text, card["tone"])
+        for title, card in cards_of(page).items()
     }
 
 
@@ -128,12 +128,12 @@ def test_every_case_shows_claim_figure_table_verdict_and_how_it_was_measured() -
         "3.333 × 10⁻⁷ s", "0.5356", "at least 3.8", "± 0.1",
     ):  # fmt: skip
         assert said in text, said
-    (picture,) = built([record]).pictures()
-    assert picture.name == "a-case-1"
-    told = values(picture.figure)
+    ((name, figure),) = built([record]).pictures.items()
+    assert name == "a-case-1"
+    told = values(figure)
     # a gap in the data is a gap in the chart
     assert [len(told[f"series={one}"]) for one in ("mc",)] == [1]
-    (axes,) = picture.figure.axes
+    (axes,) = figure.axes
     assert [text.get_text() for text in axes.texts] == ["limit"]
     assert axes.get_legend_handles_labels()[1] == ["reference", "mc"]
 

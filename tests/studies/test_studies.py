@@ -62,7 +62,7 @@ def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str
 
     monkeypatch.setattr(plots, "reliability_panels", kept)
     page = loaded(folder).page(runner.read_run(folder))
-    named = {picture.name: picture.figure for picture in page.pictures()}
+    named = page.pictures
     return page, {name: asked[id(one)] for name, one in named.items() if id(one) in asked}
 
 
@@ -70,7 +70,7 @@ def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str
 def test_the_report_shows_every_figure(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page, _ = shown(folder, monkeypatch)
     report = (folder / "report.md").read_text(encoding="utf-8")
-    names = {picture.name for picture in page.pictures()}
+    names = set(page.pictures)
     assert names == {path.stem for path in folder.glob("figures/*.png")}
     assert all(f"figures/{name}.png" in report for name in names)
     assert unescape(report.splitlines()[0]) == f"# {page.title}"

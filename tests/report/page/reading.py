@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
+from typing import Any
+
+from uqfold.report import Page
 
 VOID = {"meta", "input", "br", "hr", "img", "link", "base"}
 
@@ -59,3 +62,9 @@ def read(html: str) -> Element:
     reader.close()
     assert reader.open == [reader.root]
     return reader.root
+
+
+def cards(page: Page) -> dict[str, dict[str, Any]]:
+    """The statements of the summary of a page, by their titles."""
+    rows = [block.data["cards"] for block in page.blocks if block.kind == "cards"]
+    return {card["title"]: card for row in rows for card in row}

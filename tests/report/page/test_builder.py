@@ -13,7 +13,7 @@ from uqfold.plots.style import figure_settings
 from uqfold.plots.telling import gid, tell
 from uqfold.report import Page, literal
 from uqfold.report.page.cells import number_text, value_text
-from uqfold.report.page.markup import plain, spans
+from uqfold.report.page.markup import html, inline_html
 
 HOSTILE = (
     "</title></style></script><script>stolen()</script>\"'><img src=x onerror=stolen()>{{7*7}}"
@@ -152,14 +152,39 @@ def test_digits_are_rounded_not_cut() -> None:
     "target", ["javascript:stolen()", "data:text/html,x", "//example.org", "JaVaScRiPt:x"]
 )
 def test_links_lead_only_where_nothing_runs(target: str) -> None:
-    assert [one.kind for one in spans(f"[click]({target})")] == ["text"]
-    assert [one.kind for one in spans("[click](#there)")] == ["link"]
+    assert "<a" not in inline_html(f"[click]({target})")
+    assert inline_html("[click](#there)") == '<a href="#there">click</a>'
 
 
-@pytest.mark.parametrize("text", ["*a* `b` [c](d)", "a * b", "``x``", "\\*", "[1]", "2**3**4"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "*a* `b` [c](d)", "a * b", "``x``", "\\*", "[1]", "2**3**4", "- a", "1. a", "---", "# a",
+        "_a_", "<b>a</b>", "&lt;", "![a](b)", "~~a~~", "http://a.b",
+    ],
+)  # fmt: skip
 def test_literal_text_is_only_text(text: str) -> None:
-    assert [one.kind for one in spans(literal(text))] == ["text"]
-    assert plain(literal(text)) == text
+    (paragraph,) = read(html(literal(text))).children
+    assert paragraph.tag == "p"
+    assert paragraph.children == []
+    assert paragraph.text == text
+
+
+def test_a_text_is_markdown_in_both_formats() -> None:
+    """Texts had a little language of their own, which was read twice."""
+    made = Page("Title")
+    made.text("1. one\n   - *inner*\n2. `<b>` <b>two</b>\n\n> quoted")
+    root = read(made.html()).all("main")[0]
+    assert [one.tag for one in root.all("ol")[0].all("ul")[0].walk()] == ["ul", "li", "em"]
+    assert root.all("blockquote")[0].text.strip() == "quoted"
+    assert root.all("b") == []
+    assert "2. `<b>` &lt;b>two&lt;/b>" in made.markdown()
+
+
+def test_a_bar_ends_no_cell_of_markdown() -> None:
+    made = Page("Title")
+    made.facts({"a|b": "`c|d`", "e": literal("f|g")})
+    assert made.markdown().splitlines()[-2:] == [r"| a\|b | `c\|d` |", r"| e | f\|g |"]
 
 
 def test_what_is_no_frame_or_figure_is_refused() -> None:

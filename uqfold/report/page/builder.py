@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from urllib.parse import quote
 
 from uqfold.checks import choice, flag, function, instance, mapping, refused, several, text, whole
 from uqfold.checks import path as checked_path
-from uqfold.report.page.cells import Formatter, Grid, Tone, grid
+from uqfold.report.page.cells import Formatter, Tone, grid
+from uqfold.report.page.markup import escaped, fenced, literal, table_row, without_elements
+from uqfold.report.page.to_html import Block, html, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,107 +25,11 @@ if TYPE_CHECKING:
 Format: TypeAlias = Literal["html", "md"]
 
 
-@dataclass(frozen=True)
-class Text:
-    """Paragraphs and lists, in the markup of `uqfold.report.page.markup`."""
-
-    kind: ClassVar[str] = "text"
-    source: str
-    small: bool
-
-
-@dataclass(frozen=True)
-class Card:
-    """One statement of a summary."""
-
-    kind: ClassVar[str] = "card"
-    title: str
-    answer: str
-    more: tuple[str, ...]
-    tone: Tone
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Names and what they stand for."""
-
-    kind: ClassVar[str] = "facts"
-    facts: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table; `belongs` names what each row belongs to, as the artists of figures do."""
-
-    kind: ClassVar[str] = "table"
-    title: str
-    caption: str
-    name: str
-    grid: Grid
-    belongs: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure."""
-
-    kind: ClassVar[str] = "picture"
-    title: str
-    caption: str
-    name: str
-    figure: Figure
-
-
-@dataclass(frozen=True)
-class Equation:
-    """A displayed equation: lead-in, LaTeX, and where it comes from."""
-
-    kind: ClassVar[str] = "equation"
-    lead: str
-    latex: str
-    source: str
-
-
-@dataclass(frozen=True)
-class Listing:
-    """Code or commands on lines of their own."""
-
-    kind: ClassVar[str] = "listing"
-    text: str
-
-
-@dataclass(frozen=True)
-class Heading:
-    """A heading, with a word such as a verdict behind it."""
-
-    kind: ClassVar[str] = "heading"
-    title: str
-    name: str
-    level: int
-    label: str
-    tone: Tone
-
-
-@dataclass(frozen=True)
-class Details:
-    """What readers may unfold; always open in print and in Markdown."""
-
-    kind: ClassVar[str] = "details"
-    title: str
-    blocks: list[Block]
-
-
-Block: TypeAlias = (
-    Text | Card | Facts | Table | Picture | Equation | Listing | Heading | Details
-)  # fmt: skip
-
-
 class Page:
     """A report, told from top to bottom: what comes before the first section is its summary.
 
-    Texts know a little markup: paragraphs, ``- `` lists, `` `code` ``, ``**strong**``,
-    ``*stressed*`` and ``[links](target)``. Cells of tables, titles and code are plain text. Text
-    from elsewhere goes through `uqfold.report.literal` first.
+    Texts are Markdown, in which elements of HTML are text. Cells of tables, titles and code are
+    plain text. Text from elsewhere goes through `uqfold.report.literal` first.
 
     Parameters
     ----------
@@ -134,6 +41,13 @@ class Page:
         What sort of report it is, for instance ``Study``.
     imprint
         The last line: what made the report, and from what.
+
+    Attributes
+    ----------
+    blocks
+        What it shows, from top to bottom.
+    pictures
+        Its figures, by name.
 
     Examples
     --------
@@ -158,42 +72,63 @@ class Page:
 
     def __init__(self, title: str, lead: str = "", *, kind: str = "Report", imprint: str = ""):
         self.title = text("title", title)
-        self.lead = text("lead", lead, empty=True)
+        self.lead = _markdown("lead", lead)
         self.kind = text("kind", kind, empty=True)
-        self.imprint = text("imprint", imprint, empty=True)
+        self.imprint = _markdown("imprint", imprint)
         self.blocks: list[Block] = []
-        self._open = self.blocks
+        self.pictures: dict[str, Figure] = {}
         self._names = {"main", "summary"}
+        self._folding = False
 
     def section(
         self, title: str, *, level: int = 1, label: str = "", tone: Tone = "", name: str = ""
     ) -> None:
         """Begin a section, or at a higher level one within it; `label` stands behind its title."""
-        if self._open is not self.blocks:
+        if self._folding:
             raise ValueError(f"section {title!r} cannot begin within details")
+        name = self._unique(text("title", title), name)
+        level = whole("level", level, at_least=1, at_most=5)
+        behind = f" ({literal(label)})" if text("label", label, empty=True) else ""
         self._add(
-            Heading(
-                text("title", title),
-                self._unique(title, name),
-                whole("level", level, at_least=1, at_most=5),
-                text("label", label, empty=True),
-                choice("tone", tone, get_args(Tone)),
-            )
+            "heading",
+            f"{'#' * (level + 1)} {literal(title)}{behind}",
+            title=title,
+            name=name,
+            level=level,
+            label=label,
+            tone=choice("tone", tone, get_args(Tone)),
         )
 
     def text(self, source: str, *, small: bool = False) -> None:
         """Add paragraphs and lists; `small` for remarks and legends."""
-        self._add(Text(text("source", source, empty=True), flag("small", small)))
+        said = _markdown("source", source)
+        self._add("text", said, source=said, small=flag("small", small))
 
     def card(self, title: str, answer: str, *more: str, tone: Tone = "") -> None:
         """Add a statement to a row of them: a question, its short answer, and what else to say."""
         said = several("more", more, text)
-        tone = choice("tone", tone, get_args(Tone))
-        self._add(Card(text("title", title), text("answer", answer), said, tone))
+        card = {
+            "title": text("title", title),
+            "answer": _markdown("answer", answer, empty=False),
+            "more": [without_elements(one) for one in said],
+            "tone": choice("tone", tone, get_args(Tone)),
+        }
+        if not (self.blocks and self.blocks[-1].kind == "cards"):
+            self._add("cards", "", cards=[])
+        row = self.blocks[-1]
+        row.data["cards"].append(card)
+        items = [
+            f"- {literal(title)} **{card['answer']}**",
+            *(f"  - {one}" for one in card["more"]),
+        ]
+        row.markdown = "\n".join([row.markdown, *items]).strip()
 
     def facts(self, facts: Mapping[str, str]) -> None:
         """Add names and what they stand for, in two columns."""
-        self._add(Facts(tuple(mapping("facts", facts, text, empty=True).items())))
+        checked = mapping("facts", facts, text, empty=True)
+        said = {name: without_elements(one) for name, one in checked.items()}
+        rows = [table_row([literal(name), one]) for name, one in said.items()]
+        self._add("facts", "\n".join(["| | |", "| --- | --- |", *rows]), facts=said)
 
     def table(
         self,
@@ -214,7 +149,7 @@ class Page:
             Its columns with units in their headings; a named index comes first. Numbers are
             written with four digits, NaN and None as nothing.
         title, caption
-            What it shows; `caption` adds what is to be known, in the markup of texts.
+            What it shows; `caption` adds what is to be known, in Markdown.
         name
             Its anchor in links; made from the title if empty.
         formats
@@ -236,13 +171,27 @@ class Page:
         owners = several("belongs", belongs, text, empty=True)
         if owners and len(owners) != len(frame):
             raise refused("belongs", belongs, f"give one name for each of {len(frame)} rows")
-        cells = grid(
+        shown = grid(
             frame,
             mapping("formats", formats, function),
             mapping("tones", tones, choice, get_args(Tone)),
         )
-        said = text("caption", caption, empty=True)
-        self._add(Table(text("title", title), said, self._unique(title, name), cells, owners))
+        name = self._unique(text("title", title), name)
+        said = _markdown("caption", caption)
+        lines = [
+            table_row(map(escaped, shown.head)),
+            table_row("---:" if one else "---" for one in shown.numeric),
+            *(table_row(escaped(cell.text) for cell in row) for row in shown.rows),
+        ]
+        self._add(
+            "table",
+            f"{_titled(title, said)}\n\n" + "\n".join(lines),
+            title=title,
+            caption=said,
+            name=name,
+            grid=shown,
+            belongs=owners,
+        )
 
     def figure(
         self, figure: Figure | Axes, title: str, caption: str = "", *, name: str = ""
@@ -260,33 +209,45 @@ class Page:
         """
         from uqfold.plots.saving import figure_of
 
-        said = text("caption", caption, empty=True)
-        self._add(Picture(text("title", title), said, self._unique(title, name), figure_of(figure)))
+        drawn = figure_of(figure)
+        name = self._unique(text("title", title), name)
+        said = _markdown("caption", caption)
+        self.pictures[name] = drawn
+        shown = f"![{literal(title)}](figures/{quote(name)}.png)"
+        self._add(
+            "figure",
+            f"{shown}\n\n{_titled(title, said)}",
+            title=title,
+            caption=said,
+            name=name,
+            figure=drawn,
+        )
 
     def equation(self, latex: str, lead: str = "", source: str = "") -> None:
         """Add a displayed equation in LaTeX, what leads to it, and where it comes from."""
-        lead, source = (
-            text(name, value, empty=True) for name, value in (("lead", lead), ("source", source))
-        )
-        self._add(Equation(lead, text("latex", latex), source))
+        said = _markdown("lead", lead)
+        behind = f" ({literal(source)})" if text("source", source, empty=True) else ""
+        # what could end the display is shown as code
+        shown = fenced(latex, "" if "$" in latex or "\n" in text("latex", latex) else "math")
+        leading = f"{said}{behind}:\n\n".lstrip() if said or behind else ""
+        self._add("equation", leading + shown, latex=latex, lead=said, source=source)
 
     def code(self, source: str) -> None:
         """Add code or commands on lines of their own."""
-        self._add(Listing(text("source", source, empty=True)))
-
-    def details(self, title: str) -> AbstractContextManager[None]:
-        """Fold away what is added within the ``with``; open in print and in Markdown."""
-        return self._folded(Details(text("title", title), []))
+        self._add("listing", fenced(text("source", source, empty=True)), text=source)
 
     @contextmanager
-    def _folded(self, inner: Details) -> Iterator[None]:
-        outer = self._open
-        self._add(inner)
-        self._open = inner.blocks
+    def details(self, title: str) -> Iterator[None]:
+        """Fold away what is added within the ``with``; open in print and in Markdown."""
+        text("title", title)
+        outer, self.blocks = self.blocks, []
+        was_folding, self._folding = self._folding, True
         try:
             yield
         finally:
-            self._open = outer
+            inner, self.blocks, self._folding = self.blocks, outer, was_folding
+        said = [f"**{literal(title)}**", *(block.markdown for block in inner)]
+        self._add("details", "\n\n".join(said), title=title, blocks=inner)
 
     def write(self, path: str | os.PathLike[str], *, format: str | None = None) -> list[Path]:
         """Write the page: Markdown with its pictures beside it, or one HTML file.
@@ -314,38 +275,37 @@ class Page:
         write_text(file, self.html() if asked == "html" else self.markdown())
         written = [file]
         if asked == "md":
-            for picture in self.pictures():
-                written += save(picture.figure, file.parent / "figures" / picture.name)
+            for name, figure in self.pictures.items():
+                written += save(figure, file.parent / "figures" / name)
         return written
 
     def markdown(self) -> str:
         """Return the page as Markdown, which refers to its pictures as ``figures/<name>.png``."""
-        from uqfold.report.page.to_markdown import markdown
-
-        return markdown(self)
+        told = "\n".join(block.markdown for block in self.blocks)
+        parts = [f"# {literal(self.title)}", self.lead]
+        for block in self.blocks:
+            if block.kind == "heading" and f"](#{block.data['name']})" in told:
+                parts.append(f'<a id="{block.data["name"]}"></a>')
+            parts.append(block.markdown)
+        parts += ["---", self.imprint] if self.imprint else []
+        return visible("\n\n".join(filter(None, parts)) + "\n")
 
     def html(self) -> str:
         """Return the page as one HTML document that needs nothing else."""
-        from uqfold.report.page.to_html import html
+        about = {"title": self.title, "lead": self.lead, "kind": self.kind}
+        return html(self.blocks, **about, imprint=self.imprint)
 
-        return html(self)
-
-    def pictures(self) -> list[Picture]:
-        """Return the figures of the page with their names."""
-        return [block for block in _all(self.blocks) if isinstance(block, Picture)]
-
-    def _add(self, block: Block) -> None:
-        self._open.append(block)
+    def _add(self, kind: str, markdown: str, **data: Any) -> None:
+        self.blocks.append(Block(kind, markdown, data))
 
     def _unique(self, title: str, name: str) -> str:
-        asked = text("name", name, empty=True) or text("title", title)
+        """Return an anchor of the page that no other part has."""
+        asked = text("name", name, empty=True) or title
         stem = re.sub(r"[^a-z0-9.]+", "-", asked.lower()).strip("-.") or "part"
-        name, number = stem, 1
-        while name in self._names:
-            number += 1
-            name = f"{stem}-{number}"
-        self._names.add(name)
-        return name
+        names = (stem if i == 1 else f"{stem}-{i}" for i in count(1))
+        free = next(one for one in names if one not in self._names)
+        self._names.add(free)
+        return free
 
 
 def page_format(path: Path, format: str | None = None) -> Format:
@@ -355,8 +315,9 @@ def page_format(path: Path, format: str | None = None) -> Format:
     return choice(name, asked, get_args(Format))
 
 
-def _all(blocks: Sequence[Block]) -> Iterator[Block]:
-    for block in blocks:
-        yield block
-        if isinstance(block, Details):
-            yield from _all(block.blocks)
+def _markdown(name: str, given: str, *, empty: bool = True) -> str:
+    return without_elements(text(name, given, empty=empty)).strip()
+
+
+def _titled(title: str, caption: str) -> str:
+    return f"*{literal(title)}* {caption}".rstrip()

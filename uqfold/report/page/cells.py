@@ -100,13 +100,9 @@ def value_text(value: Any) -> str:
     if not isinstance(value, Real):
         return str(value)
     number: Any = value
-    if isinstance(value, Integral) or _is_whole(float(value)):
+    if isinstance(value, Integral) or (abs(number) < 1e6 and number == int(number)):
         return f"{int(number):,}".replace("-", "−")
     return number_text(float(value))
-
-
-def _is_whole(value: float) -> bool:
-    return abs(value) < 1e6 and value == int(value)
 
 
 def number_text(value: float, digits: int = DIGITS) -> str:
