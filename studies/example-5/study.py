@@ -57,8 +57,7 @@ def keep_differences(run: Run, name: str, grid: uqfold.Criteria) -> None:
     """Keep R of condition 19 less R of condition 20, from the same random numbers."""
     draws = run.choose(8000, 12)
     first, second = paper.condition(19), paper.condition(20)
-    evaluator = run.evaluator(first, keep=False)  # nobody asks for these evaluations again
-    found = paired_differences(first, second, grid, draws, rng=0, evaluator=evaluator)
+    found = paired_differences(first, second, grid, draws, rng=0)
     frame = found.to_frame().drop(columns=["pf", "pf_other"])
     frame.insert(3, "draws", draws)
     frame = frame.assign(n_evals=found.n_evals, seed=0)

@@ -62,27 +62,36 @@ SURROGATES = {
 }
 ACTIVE = {"active-kriging": methods.ActiveKriging()}
 METHODS = {**SIMPLE, **SURROGATES, **ACTIVE}
-FEW = {label: SIMPLE[label] for label in ("mc", "ffni-spa", "ffni-pearson")}
-PCE = {"pce": SURROGATES["pce"]}
+QUICK = {
+    "mc": 375, "ffni-spa": 375, "ffni-pearson": 375, "pce": 100, "active-kriging": 100,
+}  # fmt: skip
+"""What the reduced form asks: label -> budget, with one seed."""
+ROWS = [
+    "problem", "label", "max_evals", "threshold", "tau", "missions", "pf", "std_error", "status",
+    "n_evals", "seed", "reference_pf",
+]  # fmt: skip
 
 
 def tables(run: Run) -> None:
     """Ask every method on every problem, with every budget and seed; time them on one."""
     run.problems(PROBLEMS)
-    groups = {
-        "simple": run.choose((SIMPLE, [100, 375, 1125, 10_000], 20), (FEW, [375], 2)),
-        "surrogates": run.choose((SURROGATES, [100, 375], 10), (PCE, [100], 1)),
-        "surrogates-1125": run.choose((SURROGATES, [1125], 3), (PCE, [100], 1)),
-        "active": (ACTIVE, [100], run.choose(20, 1)),
-    }
-    for group, (labelled, budgets, seeds) in groups.items():
-        for name, (T, tau) in GRIDS.items():
-            grid = criteria(T, [None, *tau])
-            if run.quick and group != "active":
-                # rules over a surface are laid out for all thresholds that are asked
-                grid = criteria([T[0], T[2]] if group == "simple" else T)
-            one = {name: PROBLEMS[name]}
-            run.compare(f"{group}-{name}", one, labelled, grid, budgets, seeds)
+    groups = [
+        (SIMPLE, [100, 375, 1125, 10_000], 20), (SURROGATES, [100, 375], 10),
+        (SURROGATES, [1125], 3), (ACTIVE, [100], 20),
+    ]  # fmt: skip
+    if run.quick:
+        groups = [({label: METHODS[label]}, [budget], 1) for label, budget in QUICK.items()]
+    answers = pd.concat([
+        run.answers({name: PROBLEMS[name]}, labelled, criteria(T, [None, *tau]), budgets, seeds)
+        for labelled, budgets, seeds in groups
+        for name, (T, tau) in GRIDS.items()
+    ], ignore_index=True)  # fmt: skip
+    first = (answers["seed"] == 0) & (answers["max_evals"] == answers["label"].map(QUICK))
+    run.keep("first-seed", answers.loc[first, ROWS])
+    units = {name: problem.n_units for name, problem in PROBLEMS.items()}
+    run.keep("summary", benchmark_summary(answers, units))
+    statuses = answers.groupby(["label", "max_evals", "status"], sort=False).size()
+    run.keep("statuses", statuses.unstack(fill_value=0).reset_index())
     run.keep("timing", timing(run))
 
 
@@ -101,17 +110,7 @@ def timing(run: Run) -> pd.DataFrame:
 
 def page(run: Run) -> "uqfold.report.Page":
     """Show who is best where, who can be trusted, and the errors over budgets."""
-    page = new_page(run, __doc__)
-    names = [
-        name for name in run.tables if name.rpartition("-")[0] and name[:2] in ("si", "su", "ac")
-    ]
-    frame = run.rows(*names)
-    units = dict(
-        zip(run.tables["problems"]["problem"], run.tables["problems"]["units"], strict=True)
-    )
-    registered = dict(zip(frame["label"], frame["method"], strict=True))
-    summary = benchmark_summary(frame, units)
-    summary["method"] = summary["label"].map(registered)
+    page, summary = new_page(run, __doc__), run.rows("summary")
     page.section("Tables")
     page.table(
         ranking(summary),
@@ -127,10 +126,10 @@ def page(run: Run) -> "uqfold.report.Page":
         "runs crude Monte Carlo would need for the same error. The last column is right at 1; "
         "above, the method is too sure of itself.",
     )
+    page.table(run.rows("statuses"), "What the methods say of their own answers")
     seconds = run.rows("timing").pivot(index="label", columns="max_evals", values="seconds")
-    seconds.columns = [f"{budget:g} evaluations" for budget in seconds.columns]
     page.table(
-        seconds.map(lambda value: "" if math.isnan(value) else f"{value:.2g} s").reset_index(),
+        seconds.add_suffix(" evaluations, s").reset_index(),
         "Wall time on Example 1, whose model costs nothing",
         "One estimate of twelve criteria, on a machine that was busy with other work: an order of "
         "magnitude.",
@@ -148,60 +147,48 @@ def page(run: Run) -> "uqfold.report.Page":
 
 def ranking(summary: pd.DataFrame) -> pd.DataFrame:
     """Rank methods by the median over problems of their root mean square error."""
+    case = ["synchronized", "decade", "max_evals"]
+    problems = summary.groupby(case)["problem"].nunique().rename("problems")
     complete = summary[summary["answers"] == summary["runs"]]
-    rows = []
-    groups = ["synchronized", "decade", "max_evals"]
-    for (synchronized, decade, budget), own in summary.groupby(groups):
-        mine = complete.loc[complete.index.intersection(own.index)]
-        problems = own["problem"].nunique()
-        errors = mine.groupby("label")["rms"].agg(["median", "size"])
-        errors["worst"] = mine[mine["judged"]].groupby("label")["rms"].max()
-        errors = errors[errors["size"] == problems].sort_values("median", kind="stable")
-        best = [
-            f"{label} {percent(one['median'])}"
-            + (f" (worst {percent(one['worst'])})" if one["worst"] > one["median"] else "")
-            for label, one in errors.head(3).iterrows()
-        ]
-        places = dict(zip(("1.", "2.", "3."), [*best, "", "", ""], strict=False))
-        rows.append({
-            "tau": "yes" if synchronized else "no", "decade": -decade,
-            "reference pf": f"1e{decade} to 1e{decade + 1}", "budget": int(budget),
-            "problems": problems, **places,
-        })  # fmt: skip
-    return pd.DataFrame(rows).sort_values(["tau", "decade", "budget"]).drop(columns="decade")
+    complete = complete.assign(judged=complete["rms"].where(complete["judged"]))
+    found = complete.groupby([*case, "label"]).agg(
+        median=("rms", "median"), worst=("judged", "max"), answered=("rms", "size")
+    )
+    found = found.reset_index("label").join(problems)
+    found = found[found["answered"] == found["problems"]].sort_values("median", kind="stable")
+    worst = (" (worst " + found["worst"].map(percent) + ")").where(found["worst"] > found["median"])
+    found["text"] = found["label"] + " " + found["median"].map(percent) + worst.fillna("")
+    found["place"] = found.groupby(case).cumcount() + 1
+    best = found[found["place"] <= 3].reset_index()
+    best = best.pivot(index=[*case, "problems"], columns="place", values="text").add_suffix(".")
+    best = best.sort_index(level=case, ascending=[True, False, True]).reset_index()
+    best["synchronized"] = best["synchronized"].map({True: "yes", False: "no"})
+    best["decade"] = best["decade"].map("1e{0}".format) + " to 1e" + (best["decade"] + 1).map(str)
+    names = {"synchronized": "tau", "decade": "reference pf", "max_evals": "budget"}
+    return best.rename(columns=names).fillna("")
 
 
 def trust(summary: pd.DataFrame) -> pd.DataFrame:
     """Say of every method and budget how much it answers, how wrong it is, whether it knows."""
-    rows = []
-    for (label, budget), own in summary.groupby(["label", "max_evals"], sort=False):
-        answered = own[own["answers"] > 0]
-        rows.append({
-            "method": label,
-            "budget": int(budget),
-            "evaluations used": answered["n_evals"].mean().round() if len(answered) else math.nan,
-            "answered": f"{100.0 * own['answers'].sum() / own['runs'].sum():.0f} %",
-            "median |bias|": percent(answered["bias"].abs().median()),
-            "median rms": percent(answered["rms"].median()),
-            "median efficiency": f"{answered['efficiency'].median():,.3g}",
-            "intervals that hold the reference": share(answered["coverage"].mean()),
-            "error found / error stated": f"{answered['error_ratio'].median():.2g}",
-        })  # fmt: skip
-    return pd.DataFrame(rows).replace("nan", "")
+    groups = summary.assign(bias=summary["bias"].abs()).groupby(["label", "max_evals"], sort=False)
+    total = groups[["answers", "runs"]].sum()
+    table = pd.DataFrame({
+        "evaluations used": groups["n_evals"].mean().round(),
+        "answered": (total["answers"] / total["runs"]).map(percent),
+        "median |bias|": groups["bias"].median().map(percent),
+        "median rms": groups["rms"].median().map(percent),
+        "median efficiency": groups["efficiency"].median(),
+        "intervals that hold the reference": groups["coverage"].mean().map(percent),
+        "error found / error stated": groups["error_ratio"].median(),
+    })  # fmt: skip
+    return table.reset_index().rename(columns={"label": "method", "max_evals": "budget"})
 
 
 def percent(value: float) -> str:
-    """Write a relative error in per cent."""
+    """Write a share or a relative error in per cent."""
     if math.isnan(value):
         return ""
-    if value >= 0.995:
-        return f"{100.0 * value:,.0f} %"
-    return f"{100.0 * value:.2g} %" if value >= 1e-4 else "<0.01 %"
-
-
-def share(value: float) -> str:
-    """Write a share in whole per cent."""
-    return "" if math.isnan(value) else f"{100.0 * value:.0f} %"
+    return f"{100.0 * value:,.0f} %" if value >= 0.995 else f"{100.0 * value:.2g} %"
 
 
 if __name__ == "__main__":

@@ -67,6 +67,14 @@ def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_committed_tables_are_small_and_all_read(folder: Path) -> None:
+    """Repeated runs are kept as one row per case, not one row per seed."""
+    sizes = {path.stem: path.stat().st_size for path in folder.glob("results/*.csv")}
+    assert set(sizes) == set(runner.read_run(folder).tables)
+    assert max(sizes.values()) < 150_000
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_the_report_shows_every_figure(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page, _ = shown(folder, monkeypatch)
     report = (folder / "report.md").read_text(encoding="utf-8")
@@ -163,23 +171,26 @@ def test_a_study_runs_redraws_and_checks_itself(
     study = loaded(STUDIES / "example-1")
     script = tmp_path / "example-1" / "study.py"
 
-    def run(*options: str) -> None:
-        monkeypatch.setattr(sys, "argv", ["study.py", *options])
+    def run(option: str) -> None:
+        monkeypatch.setattr(sys, "argv", ["study.py", option])
         runner.main(str(script), study.tables, study.page, study.TOLERANCE)
 
     monkeypatch.setattr(runner, "STORE", tmp_path / "evaluations.db")
-    run("--quick", "--out", str(script.parent))
-    results = script.parent / "results"
+    run("--quick")
+    (tmp_path / ".quick" / "example-1").rename(script.parent)
     assert runner.read_run(script.parent).record["quick"] is True
     assert len(list(script.parent.glob("figures/*.png"))) == 5
-    assert "Reduced form" in (script.parent / "report.md").read_text()
-    run("--redraw", "--out", str(tmp_path / "again"))
-    assert (tmp_path / "again" / "report.md").is_file()
+    report = script.parent / "report.md"
+    drawn = report.read_text()
+    assert "Reduced form" in drawn
+    report.unlink()
+    run("--redraw")
+    assert report.read_text() == drawn
     with pytest.raises(SystemExit) as ended:
         run("--check")
     assert ended.value.code == 0
-    table = results / "sync.csv"
-    table.write_text(table.read_text().replace("ffni-pearson,,0.0,12.0", "ffni-pearson,,0.5,12.0"))
+    table = script.parent / "results" / "sync.csv"
+    table.write_text(table.read_text().replace("ffni-pearson,,0,12", "ffni-pearson,,0.5,12"))
     with pytest.raises(SystemExit) as ended:
         run("--check")
     assert ended.value.code == 1
