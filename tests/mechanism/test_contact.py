@@ -91,7 +91,7 @@ def test_accelerations_equal_those_by_virtual_power(velocity, split):
         onset = 0.3
         expected = independent.rates(0.3, y, [onset, onset])[5:]
         q, v = tuple(y[:5]), tuple(y[5:])
-        z = independent.hysteresis / onset
+        z = independent.bodies.hysteresis / onset
         d = directions(q)
         got = plain(accelerations)(w, q, v, d, z, z, p.k_d)
         assert got == pytest.approx(expected, rel=1e-8, abs=1e-8)

@@ -16,6 +16,7 @@ from uqfold.mechanism.events import State
 from uqfold.mechanism.lane_rows import LANES, lane_access, row_count, rows_of
 from uqfold.mechanism.parameter_list import PARAMETERS, PARTS
 from uqfold.mechanism.wing import WING, Samples, WingConstants, Wings, wing_constants
+from validation.mechanism.bodies import Bodies
 from validation.mechanism.independent import Wing
 
 # no two numbers are equal, so that no exchange goes unseen
@@ -49,8 +50,9 @@ def assert_each_exchange_is_seen(found, expected):
 
 def constants_by_hand(p):
     """The constants from masses, joints and loads that share no line with the mechanism's."""
-    wing = Wing(p)
-    about_A, m_2, _, J_2, m_3 = wing.inertia
+    bodies = Bodies(p)
+    about_A, m_2, _, J_2, m_3 = Wing(p).inertia
+    B, C = bodies.joints
     return {
         "l_1": p.l_1,
         "half_l_1": p.l_1 / 2,
@@ -61,25 +63,25 @@ def constants_by_hand(p):
         "inverse_C_r_B": 1 / p.C_r_B,
         "inverse_C_r_C": 1 / p.C_r_C,
         "R_b": p.R_b,
-        "R_j_B": wing.R_j[0],
-        "R_j_C": wing.R_j[1],
+        "R_j_B": B.R_j,
+        "R_j_C": C.R_j,
         "inverse_J_A": 1 / about_A,
         "inverse_m_2": 1 / m_2,
         "inverse_J_2": 1 / J_2,
         "inverse_m_3": 1 / m_3,
-        "K_B": wing.K[0],
-        "K_C": wing.K[1],
-        "hysteresis": wing.hysteresis,
+        "K_B": B.K,
+        "K_C": C.K,
+        "hysteresis": bodies.hysteresis,
         "onset_velocity_floor": p.onset_velocity_floor,
         "C_f": p.C_f,
         "v_0": p.friction_v_0,
         "ramp_slope": 1 / (p.friction_v_1 - p.friction_v_0),
         "material": 1.0,
-        "D_1": wing.drag[0],
-        "D_2": wing.drag[1],
-        "G_1": wing.weight[0],
-        "G_2": wing.weight[1],
-        "G_3": wing.weight[2],
+        "D_1": bodies.drag[0],
+        "D_2": bodies.drag[1],
+        "G_1": bodies.weight[0],
+        "G_2": bodies.weight[1],
+        "G_3": bodies.weight[2],
         "k_d": p.k_d,
         "x_lock": p.x_lock,
         "t_max": p.t_max,
@@ -104,7 +106,7 @@ def test_the_compiled_code_reads_every_number_by_its_name():
     found = {name: float(record[name]) for name in WING.names if name not in words}
     assert differing(found, NUMBERS) == set()
     assert_each_exchange_is_seen(found, NUMBERS)
-    assert record.hysteresis == pytest.approx(Wing(DISTINCT).hysteresis, rel=1e-15)
+    assert record.hysteresis == pytest.approx(Bodies(DISTINCT).hysteresis, rel=1e-15)
     assert (record.material, record.finite) == (1.0, 1.0)
     assert Wings(WingParameters()).table()[0].material == 0.0
 

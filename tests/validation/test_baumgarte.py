@@ -103,12 +103,12 @@ def test_locks_when_the_reduced_form_does_whatever_alpha_and_beta(
     assert 0.03 < expected < 0.2
     assert motion.deployment_time == pytest.approx(expected, abs=1e-6)
     assert motion.time[-1] == motion.deployment_time
-    assert motion.coordinates[-1, 6] == pytest.approx(early.x_lock, abs=1e-9)
+    assert motion.states[-1, 6] == pytest.approx(early.x_lock, abs=1e-9)
     assert 0 < motion.position_drift.max() < 1e-9
     # both joints have been struck by then
     gaps = [
-        Multibody(early, alpha, beta).penetration([*q, *v], which)[0]
-        for q, v in zip(motion.coordinates, motion.velocities, strict=True)
+        Multibody(early, alpha, beta).penetration(state, which)[0]
+        for state in motion.states
         for which in (0, 1)
     ]
     assert max(gaps[::2]) > 0

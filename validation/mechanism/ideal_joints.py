@@ -1,7 +1,7 @@
 """The wing with ideal joints: one degree of freedom, the rod angle, integrated by SciPy.
 
-Velocities are the rod's angular velocity times coefficients that depend on its angle alone; with
-them kinetic energy and generalised force give M w' + M' w^2 / 2 = Q. Points are complex numbers.
+All nine coordinates q of the bodies are functions of that angle, which turns at the rate w. With
+their derivatives q' and q'' virtual power gives  sum m q'^2 w' = sum (Q - m q'' w^2) q'.
 """
 
 from __future__ import annotations
@@ -13,47 +13,42 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from uqfold.mechanism import WingParameters
-from validation.mechanism.independent import DRIVE_CORNERS, Wing, ramp
+from validation.mechanism.bodies import Bodies
+from validation.mechanism.independent import DRIVE_CORNERS
 
 
 def deployment_time(p: WingParameters) -> float:
     """Return the time of the lock (s), inf where it is not reached within `p.t_max`."""
-    wing = Wing(p)
-    J_A, m_2, _, J_2, m_3 = wing.inertia
+    bodies = Bodies(p)
+    m = np.column_stack([bodies.mass, bodies.mass, bodies.inertia]).ravel()
 
-    def crank(angle: float) -> tuple[float, float]:
-        sine = (p.l_2 * math.sin(angle) - p.c) / p.l_1
-        return sine, math.sqrt(1.0 - sine * sine)
+    def motion(angle: float) -> np.ndarray:
+        """Return q, q' and q'', (3, 9)."""
+        rod = [cmath.rect(p.l_2 / 2, angle) * factor for factor in (1, 1j, -1)]
+        sine = (2 * rod[0].imag - p.c) / p.l_1
+        crank = math.asin(sine)
+        turn = 2 * rod[1].imag / (p.l_1 * math.cos(crank))
+        turn_rate = 2 * rod[2].imag / (p.l_1 * math.cos(crank)) + turn**2 * math.tan(crank)
+        arm = cmath.rect(p.l_1 / 2, crank)
+        middle = [arm, 1j * turn * arm, (1j * turn_rate - turn**2) * arm]
+        angles = [(crank, angle), (turn, 1.0), (turn_rate, 0.0)]
+        rows = []
+        for A, half, (theta_1, theta_2) in zip(middle, rod, angles, strict=True):
+            B, C = 2 * A - half, 2 * A - 2 * half
+            rows.append([A.real, A.imag, theta_1, B.real, B.imag, theta_2, C.real, C.imag, 0.0])
+        return np.array(rows)
 
     def rates(t: float, y: np.ndarray) -> list[float]:
         angle, w = y
-        sine, cosine = crank(angle)
-        turn = p.l_2 * math.cos(angle) / (p.l_1 * cosine)
-        turn_rate = (turn * turn * sine - p.l_2 * math.sin(angle) / p.l_1) / cosine
-        B = p.l_1 * complex(cosine, sine)
-        half = cmath.rect(0.5 * p.l_2, angle)
-        # first and second derivatives of the points by the rod angle
-        B_1, B_2 = 1j * B * turn, 1j * B * turn_rate - B * turn * turn
-        middle_1, middle_2 = B_1 - 1j * half, B_2 + half
-        slider_1, slider_2 = (B_1 - 2j * half).real, (B_2 + 2.0 * half).real
-        M = J_A * turn**2 + m_2 * abs(middle_1) ** 2 + J_2 + m_3 * slider_1**2
-        half_M_1 = (
-            J_A * turn * turn_rate
-            + m_2 * (middle_1.conjugate() * middle_2).real
-            + m_3 * slider_1 * slider_2
-        )
-        Q = (
-            (wing.weight[0] + wing.drag[0] * abs(sine)) * 0.5 * B_1.real
-            + (wing.weight[1] + wing.drag[1] * abs(math.sin(angle))) * middle_1.real
-            + (wing.weight[2] + p.k_d * (ramp(t, 0, 0.01) - ramp(t, 0.61, 0.62))) * slider_1
-        )
-        return [w, (Q - half_M_1 * w * w) / M]
+        q, q_1, q_2 = motion(angle)
+        Q = np.array(bodies.forces(t, q.tolist(), (w * q_1).tolist(), [None, None]))
+        return [w, ((Q - m * q_2 * w**2) @ q_1) / (m @ q_1**2)]
 
     def lock(_: float, y: np.ndarray) -> float:
-        return p.l_1 * crank(y[0])[1] - p.l_2 * math.cos(y[0]) - p.x_lock
+        return float(motion(y[0])[0, 6]) - p.x_lock
 
     lock.terminal, lock.direction = True, 1  # type: ignore[attr-defined]
-    t, y = 0.0, np.array([wing.start()[3], 0.0])
+    t, y = 0.0, np.array([bodies.start()[5], 0.0])
     for end in (*DRIVE_CORNERS, p.t_max):
         run = solve_ivp(
             rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-13, events=lock, max_step=0.01

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import product
+from itertools import count, product
 
 import numpy as np
 
@@ -27,31 +27,22 @@ TABLE_10: dict[str, tuple[float, float]] = {
     "l_1": (1.5, 0.002),
     "l_2": (1.3, 0.002),
 }
-# the conditions 1 to 10 (means) and 11 to 20 (standard deviations) of Tables 8 and 9
-TABLE_8: tuple[tuple[str, float], ...] = (
-    ("V_q", 100.0),
-    ("V_q", 180.0),
-    ("delta", math.radians(30.0)),
-    ("delta", math.radians(-30.0)),
-    ("b", 0.006),
-    ("b", 0.008),
-    ("k_d", 600.0),
-    ("k_d", 500.0),
-    ("C_r", 0.002),
-    ("C_r", 0.001),
-)
-TABLE_9: tuple[tuple[str, float], ...] = (
-    ("V_q", 1.0),
-    ("V_q", 20.0),
-    ("delta", math.radians(1.0)),
-    ("delta", math.radians(20.0)),
-    ("b", 0.00001),
-    ("b", 0.0005),
-    ("k_d", 1.0),
-    ("k_d", 30.0),
-    ("C_r", 0.000005),
-    ("C_r", 0.0002),
-)
+TABLE_8: dict[str, tuple[float, float]] = {
+    "V_q": (100.0, 180.0),
+    "delta": (math.radians(30.0), math.radians(-30.0)),
+    "b": (0.006, 0.008),
+    "k_d": (600.0, 500.0),
+    "C_r": (0.002, 0.001),
+}
+"""Changed means, the conditions 1 to 10 in order."""
+TABLE_9: dict[str, tuple[float, float]] = {
+    "V_q": (1.0, 20.0),
+    "delta": (math.radians(1.0), math.radians(20.0)),
+    "b": (0.00001, 0.0005),
+    "k_d": (1.0, 30.0),
+    "C_r": (0.000005, 0.0002),
+}
+"""Changed standard deviations, the conditions 11 to 20 in order."""
 
 
 def draws_of_table_6(n: int, seed: int) -> dict[str, np.ndarray]:
@@ -100,11 +91,15 @@ def parameter_sets() -> dict[str, WingParameters]:
         "table 10, material": ten.replace(tangential_velocity="material"),
     }
     sets |= {f"table 6 corner {label}": wing for label, wing in corners(TABLE_6, 4)}
-    for number, (name, mean) in enumerate(TABLE_8, start=1):
-        sets[f"table 8 condition {number}"] = six.replace(**{name: mean})
-    for number, (name, sigma) in enumerate(TABLE_9, start=11):
-        for sign, word in ((-1, "low"), (1, "high")):
-            value = TABLE_6[name][0] + 3.0 * sign * sigma
-            sets[f"table 9 condition {number} {word}"] = six.replace(**{name: value})
+    number = count(1)
+    for name, changed in TABLE_8.items():
+        for mean in changed:
+            sets[f"table 8 condition {next(number)}"] = six.replace(**{name: mean})
+    for name, changed in TABLE_9.items():
+        for sigma in changed:
+            condition = f"table 9 condition {next(number)}"
+            for sign, word in ((-1, "low"), (1, "high")):
+                value = TABLE_6[name][0] + 3.0 * sign * sigma
+                sets[f"{condition} {word}"] = six.replace(**{name: value})
     sets |= {f"table 10 corner {label}": wing for label, wing in corners(TABLE_10, 3)}
     return sets
