@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from uqfold.checks import (
     choice,
@@ -25,6 +25,9 @@ from uqfold.checks import (
     text,
 )
 from uqfold.validation.findings import Finding, Verdict, verdict_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Cell: TypeAlias = float | str | None
 """A finite number, a text, or None for nothing."""
@@ -65,15 +68,17 @@ class Table:
                 )
 
     @classmethod
-    def of(cls, title: str, rows: Iterable[Mapping[str, Any]]) -> Table:
-        """Return the table of rows with the same keys, which become the columns.
+    def of(cls, title: str, rows: Iterable[Mapping[str, Any]] | pd.DataFrame) -> Table:
+        """Return the table of a pandas frame, or of rows with the same keys, its columns.
 
         Raises
         ------
         ValueError
             If there are no rows, or their keys differ.
         """
-        given = several("rows", rows, instance, Mapping, "give a dict of column -> cell")
+        to_dict = getattr(rows, "to_dict", None)
+        listed = rows if to_dict is None else to_dict("records")
+        given = several("rows", listed, instance, Mapping, "give a dict of column -> cell")
         if not given:
             raise refused("rows", given, f"the table {title!r} has none, give at least one")
         named = [mapping(f"rows[{i}]", row, _cell) for i, row in enumerate(given)]

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
-import numpy as np
+import pandas as pd
 
 from uqfold.methods.active_kriging import ActiveKriging
 from uqfold.problems import four_branch
 from uqfold.validation import Finding, Measurement, Table, Work
+from validation.methods.answers import answers, references, rms
 
 MAX_EVALS = 100
 LARGEST_BIAS = 0.02
@@ -18,56 +19,33 @@ LARGEST_RMSE = 0.05
 LARGEST_Z = 3.0
 
 
-def answer(seed: int) -> dict[str, Any]:
-    """Give the answer of one run and what it says of itself."""
-    problem = four_branch()
-    row = ActiveKriging().estimate(problem, max_evals=MAX_EVALS, rng=seed)[0]
-    return {
-        "seed": seed,
-        "pf": row.pf,
-        "stated error": row.std_error,
-        "model runs": row.n_evals,
-        "status": row.status,
-    }
-
-
-def exact_pf() -> float:
-    """Give the reference of the problem's own criterion."""
-    problem = four_branch()
-    assert problem.references is not None
-    assert problem.default_criteria is not None
-    known = problem.references.lookup(problem.default_criteria[0])
-    assert known is not None
-    return known.pf
-
-
 def measure(work: Work) -> Measurement:
     """Repeat with 4, 20 or 50 seeds."""
     first, count = work.seeds[0], work.pick(4, 20, 50)
-    parts = {f"seed {seed}": partial(answer, seed) for seed in range(first, first + count)}
-    rows = list(work.parts(parts).values())
-    exact = exact_pf()
+    problem = four_branch()
+    known = references(problem, problem.default_criteria)
     if work.fault == "one region":
-        exact *= 4.0
-    scale = 0.25 if work.fault == "overconfident" else 1.0
-    for row in rows:
-        row["relative error"] = row["pf"] / exact - 1.0
-        row["stated errors away"] = (row["pf"] - exact) / (scale * row["stated error"])
-    errors = np.array([row["relative error"] for row in rows])
-    sure = [abs(row["stated errors away"]) for row in rows if row["status"] == "converged"]
-    bias, scatter = float(errors.mean()), float(errors.std(ddof=1) / math.sqrt(count))
-    runs = [row["model runs"] for row in rows]
+        known = [replace(one, pf=4.0 * one.pf) for one in known]
+    ask = partial(answers, ActiveKriging(), problem, known, max_evals=MAX_EVALS)
+    runs = [partial(ask, seed=seed) for seed in range(first, first + count)]
+    rows = pd.concat(work.parts({str(run.keywords["seed"]): run for run in runs}).values())
+    if work.fault == "overconfident":
+        rows["z"] *= 4.0
+    errors, runs_taken = rows["error"], rows["n_evals"]
+    sure = rows[rows["status"] == "converged"]
+    scatter = errors.std() / math.sqrt(count)
     findings = [
         Finding("seeds", count),
         Finding("converged runs", len(sure), 1, at_least=True),
-        Finding("model runs, mean", float(np.mean(runs))),
-        Finding("model runs, largest", max(runs), MAX_EVALS),
-        Finding("bias, absolute", abs(bias), LARGEST_BIAS, uncertainty=2.0 * scatter),
-        Finding("root mean square error", float(np.sqrt(np.mean(errors**2))), LARGEST_RMSE),
-        Finding(
-            "largest error of a converged run in its stated errors",
-            max(sure, default=math.nan),
-            LARGEST_Z,
-        ),
-    ]
-    return Measurement(findings, [Table.of("All runs", rows)])
+        Finding("model runs, mean", runs_taken.mean()),
+        Finding("model runs, largest", runs_taken.max(), MAX_EVALS),
+        Finding("bias, absolute", abs(errors.mean()), LARGEST_BIAS, uncertainty=2.0 * scatter),
+        Finding("root mean square error", rms(errors), LARGEST_RMSE),
+        Finding("largest error of a converged run in its stated errors", sure["z"].abs().max(),
+                LARGEST_Z),
+    ]  # fmt: skip
+    columns = {
+        "seed": "seed", "pf": "pf", "std_error": "stated error", "n_evals": "model runs",
+        "status": "status", "error": "relative error", "z": "stated errors away",
+    }  # fmt: skip
+    return Measurement(findings, [Table.of("All runs", rows[[*columns]].rename(columns=columns))])
