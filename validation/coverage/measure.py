@@ -12,134 +12,118 @@ import math
 from functools import partial
 from typing import Any
 
-import numpy as np
+import pandas as pd
 
 from uqfold.methods import available
+from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.result import NO_ANSWER
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.reference import Reference
 from uqfold.testing.curved import CurvedSystem
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.validation import Finding, Measurement, Table, Work
+from validation.methods.answers import answers, rms
 
 SYSTEM = LinearNormalSystem(units=3, shared_std=0.5)
+CURVED = CurvedSystem()
 QUESTIONS = {
     "body": Criterion(11.0),
     "pf near 0.01": Criterion(13.0),
     "tau": Criterion(13.0, 3.5),
     "random missions": Criterion(12.5, None, Binomial(4, 0.7)),
 }
-
-CURVED = CurvedSystem()
 CURVED_QUESTIONS = {
     "curved, body": Criterion(12.0),
     "curved, pf near 0.02": Criterion(13.5),
 }
-
 EVALS = 6_000
 """Runs of a method that samples; surrogates take as few as they like."""
-
 LEAST = 0.9
 """Least coverage of an interval that is called a 95 % interval."""
-
 MOST = 1.25
 """Most that errors may exceed the stated ones, root mean square."""
-
 TOO_SURE = "surfaces too sure"
 """Fault of methods that fit a surface."""
-
 TWO = 2.0
 """Standard errors on either side of an empirical number."""
 
 
 def methods() -> dict[str, ReliabilityMethod]:
-    """Every registered method that is stochastic, with its default settings."""
+    """Return every registered method that is stochastic, with its default settings."""
     built = {name: method() for name, method in available().items()}
     return {name: method for name, method in built.items() if method.stochastic}
 
 
-def repeat(name: str, seed: int) -> list[list[float | None]]:
-    """One run: for each question pf, standard error, both ends, and whether it states sampling."""
-    system = CURVED if _fits(name) else SYSTEM
-    asked = list(questions(name).values())
-    result = methods()[name].estimate(system.problem(), asked, max_evals=EVALS, rng=seed)
-    return [
-        [None] * 4 if row.status in NO_ANSWER else [row.pf, row.std_error, row.ci_low, row.ci_high]
-        for row in result
-    ]
+def fits(method: ReliabilityMethod) -> bool:
+    """Whether a method fits a surface, which takes seconds."""
+    return isinstance(method, SequentialMethod)
 
 
-def run_block(name: str, seeds: range) -> Any:
-    """Repeats of one method."""
-    return {"kind": _error_kind(name), "repeats": [repeat(name, seed) for seed in seeds]}
+def known(method: ReliabilityMethod) -> dict[str, Reference]:
+    """Return question -> exact answer, of the questions that a method is asked."""
+    if fits(method):
+        exact = {name: CURVED.pf(one.threshold) for name, one in CURVED_QUESTIONS.items()}
+        return {name: Reference(CURVED_QUESTIONS[name], pf, 0.0) for name, pf in exact.items()}
+    return {name: Reference(one, SYSTEM.pf(one), 0.0) for name, one in QUESTIONS.items()}
 
 
-def _error_kind(name: str) -> str:
-    row = methods()[name].estimate(SYSTEM.problem(), QUESTIONS["body"], max_evals=EVALS, rng=0)[0]
-    return row.error_kind
+def repeats(name: str, seeds: range) -> pd.DataFrame:
+    """Ask one method all its questions with many seeds; what it does not answer is left out."""
+    method = methods()[name]
+    problem = (CURVED if fits(method) else SYSTEM).problem()
+    asked = known(method)
+    ask = partial(answers, method, problem, [*asked.values()], max_evals=EVALS)
+    rows = pd.concat([ask(seed=seed).assign(question=[*asked]) for seed in seeds])
+    return rows[rows["pf"].notna()]
 
 
-def questions(name: str) -> dict[str, Criterion]:
-    """What a method is asked."""
-    return CURVED_QUESTIONS if _fits(name) else QUESTIONS
-
-
-def exact_pf(name: str, question: str) -> float:
-    """The exact answer to what a method is asked."""
-    criterion = questions(name)[question]
-    return CURVED.pf(criterion.threshold) if _fits(name) else SYSTEM.pf(criterion)
-
-
-def summary(name: str, kind: str, question: str, repeats: list[Any]) -> dict[str, Any] | None:
-    """Coverage, and ratio of empirical and stated errors, with two standard errors each."""
-    index = list(questions(name)).index(question)
-    rows = [row[index] for row in repeats if row[index][0] is not None]
-    if not rows:
-        return None
-    exact = exact_pf(name, question)
-    inside = [low <= exact <= high for _, _, low, high in rows]
-    coverage, n = float(np.mean(inside)), len(rows)
+def summary(name: str, question: str, rows: pd.DataFrame) -> dict[str, Any]:
+    """Return coverage, and ratio of empirical and stated errors, with two standard errors each."""
+    inside, n = rows["known"].between(rows["ci_low"], rows["ci_high"]), len(rows)
     # Agresti and Coull: a spread also where every interval holds the truth
-    guess = (sum(inside) + 2.0) / (n + 4.0)
-    z = np.array([(pf - exact) / error for pf, error, _, _ in rows if error and error > 0.0])
-    ratio = float(np.sqrt(np.mean(z**2))) if len(z) else math.nan
+    guess = (inside.sum() + 2.0) / (n + 4.0)
+    z = rows["z"].dropna()
+    squares = z**2
     return {
         "method": name,
-        "error kind": kind,
+        "error kind": rows["error_kind"].iloc[0],
         "question": question,
-        "exact pf": exact,
+        "exact pf": rows["known"].iloc[0],
         "repeats": n,
-        "coverage (%)": 100.0 * coverage,
+        "coverage (%)": 100.0 * inside.mean(),
         "its two standard errors (%)": 100.0 * TWO * math.sqrt(guess * (1.0 - guess) / (n + 4.0)),
-        "empirical over stated error": ratio,
-        "its relative two standard errors": _ratio_error(z),
-        "mean error (stated errors)": float(z.mean()) if len(z) else math.nan,
+        "empirical over stated error": rms(z),
+        # of the root mean square of z, by the delta method
+        "its relative two standard errors": TWO
+        * squares.std()
+        / math.sqrt(max(len(z), 1))
+        / (2.0 * squares.mean()),
+        "mean error (stated errors)": z.mean(),
     }
-
-
-def _ratio_error(z: Any) -> float:
-    """Two standard errors of the root mean square of z, relative, by the delta method."""
-    if len(z) < 2:
-        return math.nan
-    squares = z**2
-    spread = float(squares.std(ddof=1)) / math.sqrt(len(z))
-    return TWO * spread / (2.0 * float(squares.mean()))
 
 
 def judge(row: dict[str, Any]) -> list[Finding]:
     """Judge one method on one question; a surrogate may overstate its error, none understate."""
-    name = f"{row['method']}, {row['question']}"
+    name, ratio = f"{row['method']}, {row['question']}", row["empirical over stated error"]
     return [
-        Finding(
-            f"{name}: coverage", row["coverage (%)"], 100.0 * LEAST, "%", at_least=True,
-            uncertainty=row["its two standard errors (%)"],
-        ),
-        Finding(
-            f"{name}: empirical over stated error", row["empirical over stated error"], MOST,
-            uncertainty=row["empirical over stated error"]
-            * row["its relative two standard errors"],
-        ),
+        Finding(f"{name}: coverage", row["coverage (%)"], 100.0 * LEAST, "%", at_least=True,
+                uncertainty=row["its two standard errors (%)"]),
+        Finding(f"{name}: empirical over stated error", ratio, MOST,
+                uncertainty=ratio * row["its relative two standard errors"]),
     ]  # fmt: skip
+
+
+def planted(rows: pd.DataFrame, fault: str | None) -> pd.DataFrame:
+    """Return answers with intervals and errors that a fault has made narrower, or moved."""
+    if fault == "biased":
+        shift = 2.0 * rows["std_error"]
+        return rows.assign(
+            ci_low=rows["ci_low"] + shift, ci_high=rows["ci_high"] + shift, z=rows["z"] + 2.0
+        )
+    narrower = {None: 1.0, "overconfident": 0.5, TOO_SURE: 0.01}[fault]
+    middle = 0.5 * (rows["ci_low"] + rows["ci_high"])
+    low, high = (middle + narrower * (rows[end] - middle) for end in ("ci_low", "ci_high"))
+    return rows.assign(ci_low=low, ci_high=high, z=rows["z"] / narrower)
 
 
 def measure(work: Work) -> Measurement:
@@ -150,51 +134,21 @@ def measure(work: Work) -> Measurement:
     """
     first = work.seeds[0]
     samplers, fitters = work.pick(100, 400, 4_000), work.pick(0, 10, 100)
-    counts = {name: fitters if _fits(name) else samplers for name in methods()}
+    counts = {name: fitters if fits(method) else samplers for name, method in methods().items()}
     if work.fault == TOO_SURE:
         counts = {"pce": 8}
-    plan = {}
-    for name, n in counts.items():
-        blocks = [range(first + i, first + min(i + 50, n)) for i in range(0, n, 50)]
-        plan |= {
-            f"{name}, seeds {block[0]} on": partial(run_block, name, block) for block in blocks
+    found = work.parts(
+        {
+            name: partial(repeats, name, range(first, first + n))
+            for name, n in counts.items()
+            if n > 0
         }
-    found = work.parts(plan)
-    rows = []
-    for name in counts:
-        blocks = [block for key, block in found.items() if key.startswith(f"{name}, seeds")]
-        repeats = [_planted(one, work.fault) for block in blocks for one in block["repeats"]]
-        for question in questions(name) if repeats else ():
-            row = summary(name, blocks[0]["kind"], question, repeats)
-            if row is not None:
-                rows.append(row)
+    )
+    rows = [
+        summary(name, str(question), own)
+        for name, answered in found.items()
+        for question, own in planted(answered, work.fault).groupby("question", sort=False)
+    ]
     findings = [finding for row in rows for finding in judge(row)]
     table = Table.of("Intervals of 95 %, and errors against the stated ones", rows)
     return Measurement(findings, [table])
-
-
-def _fits(name: str) -> bool:
-    """Whether a method fits a surface, which takes seconds."""
-    from uqfold.methods.ask_tell import SequentialMethod
-
-    return isinstance(methods()[name], SequentialMethod)
-
-
-def _planted(rows: list[list[Any]], fault: str | None) -> list[list[Any]]:
-    if fault is None:
-        return rows
-    changed = []
-    for pf, error, low, high in rows:
-        if pf is None:
-            changed.append([pf, error, low, high])
-        elif fault == TOO_SURE:
-            middle = 0.5 * (low + high)
-            near = [middle + 0.01 * (end - middle) for end in (low, high)]
-            changed.append([pf, 0.01 * error, *near])
-        elif fault == "overconfident":
-            middle = 0.5 * (low + high)
-            changed.append([pf, 0.5 * error, 0.5 * (low + middle), 0.5 * (high + middle)])
-        else:
-            shift = 2.0 * error
-            changed.append([pf + shift, error, low + shift, high + shift])
-    return changed

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.methods.kriging import Kriging
@@ -23,6 +23,7 @@ from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.reference import Reference
 from uqfold.validation import Finding, Measurement, Points, Table, Work
+from validation.methods.answers import answers, references
 
 PROBLEMS: dict[str, Callable[[], Problem]] = {
     "series": series,
@@ -44,83 +45,53 @@ def measure(work: Work) -> Measurement:
     """Measure all criteria of one part; the tiers do not differ."""
     problem = PROBLEMS[work.settings["problem"]]()
     low, high = PARTS[work.settings["part"]]
-    of_part = [one for one in problem.references or () if low < one.pf <= high]
-    known = [one for one in of_part if _uncertainty(one) < UNCERTAIN]
+    of_part = [one for one in references(problem) if low < one.pf <= high]
+    known = [one for one in of_part if 2.0 * one.std_error / one.pf < UNCERTAIN]
     left_out = len(of_part) - len(known)
     if work.fault == "wider inputs":
         problem = _with_wider_inputs(problem)
     if work.fault == "stale reference":
-        known = _shifted(known)
+        known = _slipped(known)
     nodes = 2 if work.fault == "two nodes" else 5
-    methods: dict[bool, ReliabilityMethod] = {
-        False: FFNISaddlepoint(nodes_individual=nodes),
-        True: FFNIPearson(nodes_individual=nodes),
-    }
-    if work.fault == "kriging":
-        methods = {False: Kriging(), True: Kriging()}
-    rows: list[dict[str, Any]] = []
-    findings = []
-    for synchronized, method in methods.items():
+    found, findings = [], []
+    for synchronized, ffni in ((False, FFNISaddlepoint), (True, FFNIPearson)):
         of_kind = [one for one in known if (one.criterion.tau is not None) == synchronized]
         if not of_kind:
             continue
-        result = method.estimate(problem, [one.criterion for one in of_kind])
-        found = [_row(one, answer.pf) for one, answer in zip(of_kind, result, strict=True)]
-        rows += found
+        method = Kriging() if work.fault == "kriging" else ffni(nodes_individual=nodes)
+        rows = answers(method, problem, of_kind).assign(synchronization=synchronized)
+        found.append(rows)
+        uncertainty = 2.0 * rows["known_error"] / rows["known"]
+        judged = (rows["error"].abs() - uncertainty).clip(lower=0.0)
         kind = "with" if synchronized else "without"
-        judged = [row["beyond the reference's"] for row in found]
         findings += [
-            Finding(f"criteria {kind} synchronization", len(found)),
-            Finding(f"model runs {kind} synchronization", result.n_evals),
-            Finding(f"largest error {kind} synchronization", max(judged), LARGEST),
-            Finding(f"median error {kind} synchronization", float(np.median(judged))),
+            Finding(f"criteria {kind} synchronization", len(rows)),
+            Finding(f"model runs {kind} synchronization", rows["n_evals"].iloc[0]),
+            Finding(f"largest error {kind} synchronization", judged.max(), LARGEST),
+            Finding(f"median error {kind} synchronization", judged.median()),
         ]
     findings.append(Finding("criteria left out, their reference being too uncertain", left_out))
+    rows = pd.concat(found).assign(percent=lambda rows: 100.0 * rows["error"])
     return Measurement(findings, [_decades(rows)], [_points(rows)])
 
 
-def _uncertainty(reference: Reference) -> float:
-    return 2.0 * reference.std_error / reference.pf
-
-
-def _row(reference: Reference, pf: float) -> dict[str, Any]:
-    error = pf / reference.pf - 1.0
-    return {
-        "criterion": reference.criterion,
-        "synchronized": reference.criterion.tau is not None,
-        "reference": reference,
-        "pf": pf,
-        "error": error,
-        "beyond the reference's": max(abs(error) - _uncertainty(reference), 0.0),
-        "decade": math.ceil(math.log10(reference.pf)),
-    }
-
-
-def _decades(rows: Sequence[dict[str, Any]]) -> Table:
-    """Signed errors by decade of pf."""
-    groups: dict[tuple[bool, int], list[float]] = {}
-    for row in sorted(rows, key=lambda row: (row["synchronized"], -row["decade"])):
-        groups.setdefault((row["synchronized"], row["decade"]), []).append(100.0 * row["error"])
-    table = [
-        {
-            "synchronization": synchronized,
-            "pf up to": 10.0**decade,
-            "criteria": len(errors),
-            "smallest error (%)": min(errors),
-            "median error (%)": float(np.median(errors)),
-            "largest error (%)": max(errors),
-        }
-        for (synchronized, decade), errors in groups.items()
-    ]
+def _decades(rows: pd.DataFrame) -> Table:
+    """Return signed errors by decade of pf."""
+    decades = rows.assign(decade=10.0 ** np.ceil(np.log10(rows["known"])))
+    decades = decades.sort_values(["synchronization", "decade"], ascending=[True, False])
+    groups = decades.groupby(["synchronization", "decade"], sort=False)["percent"]
+    table = groups.agg(["size", "min", "median", "max"]).reset_index()
+    table.columns = pd.Index(
+        ["synchronization", "pf up to", "criteria", "smallest error (%)", "median error (%)",
+         "largest error (%)"]
+    )  # fmt: skip
     return Table.of("Relative error of pf, signed, by decade of pf", table)
 
 
-def _points(rows: Sequence[dict[str, Any]]) -> Points:
-    errors = [
-        {"series": method, "x": row["reference"].pf, "y": 100.0 * row["error"]}
-        for synchronized, method in ((False, "ffni-spa"), (True, "ffni-pearson"))
-        for row in _thinned([row for row in rows if row["synchronized"] == synchronized])
-    ]
+def _points(rows: pd.DataFrame) -> Points:
+    shown = pd.concat([_thinned(own) for _, own in rows.groupby("synchronization")])
+    named = shown["synchronization"].map({False: "ffni-spa", True: "ffni-pearson"})
+    errors = pd.DataFrame({"series": named, "x": shown["known"], "y": shown["percent"]})
     title = "Relative error of pf, signed, against the reference's pf"
     return Points(
         title,
@@ -132,19 +103,19 @@ def _points(rows: Sequence[dict[str, Any]]) -> Points:
     )
 
 
-def _thinned(rows: Sequence[dict[str, Any]]) -> Sequence[dict[str, Any]]:
+def _thinned(rows: pd.DataFrame) -> pd.DataFrame:
     """Leave out points that others hide: the extreme errors stay."""
-    ordered = sorted(rows, key=lambda row: float(row["error"]))
+    ordered = rows.sort_values("error", kind="stable")
     step = max(1, math.ceil(len(ordered) / MOST_POINTS))
-    return ordered if step == 1 else ordered[:3] + ordered[3:-3:step] + ordered[-3:]
+    shown = [ordered[:3], ordered[3:-3:step], ordered[-3:]]
+    return ordered if step == 1 else pd.concat(shown)
 
 
-def _shifted(references: Sequence[Reference]) -> list[Reference]:
+def _slipped(known: Sequence[Reference]) -> list[Reference]:
     """Give every criterion the answer of the next one, as a table does that slipped by a row."""
-    answers = [*references[1:], references[0]]
+    after = [*known[1:], known[0]]
     return [
-        Reference(one.criterion, other.pf, other.std_error)
-        for one, other in zip(references, answers, strict=True)
+        replace(other, criterion=one.criterion) for one, other in zip(known, after, strict=True)
     ]
 
 
