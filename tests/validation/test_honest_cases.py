@@ -2,18 +2,17 @@
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from uqfold.validation.case import find_cases, load_cases
 from uqfold.validation.findings import VERDICT_RULE
 from uqfold.validation.record import read_case_record
 from validation.coverage import measure as coverage
+from validation.methods.answers import against
 from validation.paper import lengths
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
-SURFACES = [
-    name for name in coverage.methods() if coverage.questions(name) is not coverage.QUESTIONS
-]
 
 
 def test_a_slider_crank_of_unchecked_dimensions_cannot_be_judged() -> None:
@@ -28,19 +27,23 @@ def test_a_slider_crank_of_unchecked_dimensions_cannot_be_judged() -> None:
 
 
 def test_surfaces_are_asked_of_a_curved_response_and_can_miss_it() -> None:
-    assert set(SURFACES) >= {"kriging", "pce", "active-kriging"}
-    for name in SURFACES:
-        for question in coverage.questions(name):
-            exact = coverage.exact_pf(name, question)
-            honest = [[exact * (1.0 + 0.01 * z), 0.01 * exact, 0.0, 1.0] for z in (-1, 1) * 20]
-            both = [[row, row] for row in honest]
-            row = coverage.summary(name, "surrogate", question, both)
-            assert row is not None
-            assert [one.verdict for one in coverage.judge(row)] == ["holds", "holds"]
-            sure = [coverage._planted(rows, coverage.TOO_SURE) for rows in both]
-            row = coverage.summary(name, "surrogate", question, sure)
-            assert row is not None
-            assert coverage.judge(row)[1].verdict == "does not hold"
+    surfaces = [name for name, method in coverage.methods().items() if coverage.fits(method)]
+    assert set(surfaces) >= {"kriging", "pce", "active-kriging"}
+    for name in surfaces:
+        asked = coverage.known(coverage.methods()[name])
+        assert set(asked) == set(coverage.CURVED_QUESTIONS)
+        for question, known in asked.items():
+            honest = pd.DataFrame(
+                {"pf": known.pf * (1.0 + 0.01 * z), "std_error": 0.01 * known.pf,
+                 "ci_low": 0.0, "ci_high": 1.0, "error_kind": "surrogate"}
+                for z in (-1, 1) * 20
+            )  # fmt: skip
+            rows = against(honest, [known] * len(honest))
+            found = coverage.judge(coverage.summary(name, question, rows))
+            assert [one.verdict for one in found] == ["holds", "holds"]
+            sure = coverage.planted(rows, coverage.TOO_SURE)
+            found = coverage.judge(coverage.summary(name, question, sure))
+            assert found[1].verdict == "does not hold"
 
 
 def test_what_was_scanned_for_the_range_of_T_is_said() -> None:

@@ -72,29 +72,21 @@ def measure(work: Work) -> Measurement:
         False: work.pick(1_000_000, 10_000_000, 100_000_000),
         True: work.pick(200_000, 3_000_000, 10_000_000),
     }
-    [seed] = work.seeds
-    peaks = work.parts(
-        {
-            f"{systems}, store: {store}": partial(
-                peak_memory, systems, seed=seed, store=store, keeps=keeps
-            )
-            for store, many in sizes.items()
-            for systems in (many // 10, many)
-        }
-    )
-    rows, findings = [], []
-    for store, many in sizes.items():
-        few_peak, peak = (peaks[f"{n}, store: {store}"] for n in (many // 10, many))
-        kind = "with a store" if store else "without a store"
-        rows += [
-            {"store": "yes" if store else "no", "systems": n, "peak memory (MB)": value}
-            for n, value in ((many // 10, few_peak), (many, peak))
-        ]
+    runs = [(store, n) for store, many in sizes.items() for n in (many // 10, many)]
+    peak = partial(peak_memory, seed=work.seeds[0], keeps=keeps)
+    peaks = work.parts({f"{n}, store: {store}": partial(peak, n, store=store) for store, n in runs})
+    rows = [
+        {"store": store, "systems": n, "peak memory (MB)": value}
+        for (store, n), value in zip(runs, peaks.values(), strict=True)
+    ]
+    findings = []
+    for few, many in zip(rows[::2], rows[1::2], strict=True):
+        kind = "with a store" if many["store"] else "without a store"
+        most = float(many["peak memory (MB)"])
+        growth = most - float(few["peak memory (MB)"])
         findings += [
-            Finding(f"systems, {kind}", many),
-            Finding(f"peak memory, {kind}", peak, MOST, "MB"),
-            Finding(
-                f"growth from a tenth of the systems, {kind}", peak - few_peak, MOST_GROWTH, "MB"
-            ),
+            Finding(f"systems, {kind}", many["systems"]),
+            Finding(f"peak memory, {kind}", most, MOST, "MB"),
+            Finding(f"growth from a tenth of the systems, {kind}", growth, MOST_GROWTH, "MB"),
         ]
     return Measurement(findings, [Table.of("Peak resident memory", rows)])

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from uqfold.methods.kriging import Kriging
@@ -40,56 +41,46 @@ def ask(example: str, seed: int, fault: str | None) -> pd.DataFrame:
     return answers(Kriging(), problem, known(example, fault), max_evals=budget, seed=seed)
 
 
-def criteria(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per criterion, over all seeds: band, errors, and whether it judges."""
-    found = []
-    for (threshold, tau, missions), own in rows.groupby(
-        ["threshold", "tau", "missions"], dropna=False, sort=False
-    ):
-        first = own.iloc[0]
-        floor = max(low for low in LIMITS if low <= first["known"])
-        allowed = LIMITS[floor] * first["known"]
-        found.append(
-            {
-                "synchronization": pd.notna(tau),
-                "floor": floor,
-                "criterion": f"T = {threshold:g}, tau = {tau:g}, missions = {missions}",
-                "judges": first["known_error"] <= REFERENCE_SHARE * allowed,
-                "rms": rms(own["error"]),
-                "bias": own["error"].mean(),
-            }
-        )
-    return pd.DataFrame(found)
-
-
-def band(example: str, floor: float, own: pd.DataFrame, *, synchronized: bool) -> dict[str, Any]:
-    """Return the worst criterion of one band."""
-    judged = own[own["judges"]].sort_values("rms")
-    worst = judged.iloc[-1].to_dict() if len(judged) else {}
-    return {
-        "example": example,
-        "synchronization": synchronized,
-        "pf down to": floor,
-        "criteria": len(own),
-        "judged": len(judged),
-        "largest rms error (%)": 100.0 * worst["rms"] if worst else None,
-        "limit (%)": 100.0 * LIMITS[floor],
-        "bias there (%)": 100.0 * worst["bias"] if worst else None,
-        "at": worst.get("criterion", ""),
-    }
-
-
-def finding(worst: dict[str, Any]) -> Finding:
-    """Judge the worst criterion of a band."""
-    kind = "with" if worst["synchronization"] else "without"
-    return Finding(
-        f"{worst['example']}, pf down to {worst['pf down to']:g} {kind} synchronization: "
-        "largest root mean square error",
-        worst["largest rms error (%)"],
-        worst["limit (%)"],
-        "%",
-        remark=f"{worst['judged']} of {worst['criteria']} criteria judged, at {worst['at']}",
+def judge(example: str, rows: pd.DataFrame) -> tuple[list[Finding], list[dict[str, Any]]]:
+    """Judge the worst criterion of every band of pf, over all seeds; return table rows as well."""
+    criteria = rows.groupby("criterion", sort=False).agg(
+        tau=("tau", "first"),
+        known=("known", "first"),
+        known_error=("known_error", "first"),
+        rms=("error", rms),
+        bias=("error", "mean"),
     )
+    floors = np.sort([*LIMITS])
+    band = floors[np.searchsorted(floors, criteria["known"], "right") - 1]
+    findings, table = [], []
+    for (alone, floor), own in criteria.groupby([criteria["tau"].isna(), band]):
+        limit = LIMITS[floor]
+        judged = own[own["known_error"] <= REFERENCE_SHARE * limit * own["known"]]
+        row = {
+            "example": example,
+            "synchronization": not alone,
+            "pf down to": floor,
+            "criteria": len(own),
+            "judged": len(judged),
+            "largest rms error (%)": 100.0 * judged["rms"].max(),
+            "limit (%)": 100.0 * limit,
+            "bias there (%)": None,
+            "at": "",
+        }
+        if len(judged):
+            worst = judged.loc[judged["rms"].idxmax()]
+            row |= {"bias there (%)": 100.0 * worst["bias"], "at": worst.name}
+            what = (
+                f"{example}, pf down to {floor:g} {'without' if alone else 'with'} "
+                "synchronization: largest root mean square error"
+            )
+            remark = f"{len(judged)} of {len(own)} criteria judged, at {worst.name}"
+            findings.append(
+                Finding(what, row["largest rms error (%)"], row["limit (%)"], "%", remark=remark)
+            )
+        table.append(row)
+    findings.append(Finding(f"{example}: errors in stated errors", rms(rows["z"]), LARGEST_Z))
+    return findings, table
 
 
 def measure(work: Work) -> Measurement:
@@ -107,15 +98,8 @@ def measure(work: Work) -> Measurement:
     findings, table = [Finding("model runs", budget), Finding("seeds", count)], []
     for example in EXAMPLES:
         rows = pd.concat([found[f"{example}, seed {seed}"] for seed in seeds])
-        groups = criteria(rows).groupby(["synchronization", "floor"], sort=False)
-        worst = [
-            band(example, floor, own, synchronized=synchronized)
-            for (synchronized, floor), own in groups
-        ]
-        worst.sort(key=lambda one: (one["synchronization"], -one["pf down to"]))
+        judged, worst = judge(example, rows)
+        findings += judged
         table += worst
-        findings += [finding(one) for one in worst if one["judged"]]
-        what = f"{example}: errors in stated errors"
-        findings.append(Finding(what, rms(rows["z"]), LARGEST_Z))
     title = "Worst criterion of every band, root mean square"
     return Measurement(findings, [Table.of(title, table)])

@@ -55,16 +55,20 @@ def against(found: pd.DataFrame, known: Sequence[Reference]) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        In addition the columns ``known``, ``known_error`` (the standard error of the reference),
-        ``error`` (relative, signed), and ``z``: the difference in joint standard errors, NaN where
-        the answer states none.
+        In addition the columns ``criterion`` (in words), ``known``, ``known_error`` (the standard
+        error of the reference), ``error`` (relative, signed), and ``z``: the difference in joint
+        standard errors, NaN where the answer states none.
     """
     pf, std_error = found["pf"], found["std_error"]
     exact = np.array([one.pf for one in known])
     exact_error = np.array([one.std_error for one in known])
     joint = np.hypot(std_error.where(std_error > 0.0), exact_error)
     return found.assign(
-        known=exact, known_error=exact_error, error=pf / exact - 1.0, z=(pf - exact) / joint
+        criterion=[str(one.criterion) for one in known],
+        known=exact,
+        known_error=exact_error,
+        error=pf / exact - 1.0,
+        z=(pf - exact) / joint,
     )
 
 

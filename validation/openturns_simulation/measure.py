@@ -71,7 +71,8 @@ def direct(criterion: Criterion, missions: int, samples: int, seed: int) -> Refe
 def compare(question: str, samples: int, seeds: tuple[int, ...], fault: str | None) -> pd.DataFrame:
     """Ask `openturns-mc`, with what OpenTURNS alone gives as the reference."""
     criterion = QUESTIONS[question]
-    missions = int(str(criterion.missions))
+    missions = criterion.missions
+    assert isinstance(missions, int)
     known = direct(criterion, missions, samples, seeds[0])
     shared, individual = {"v": SHARED}, {"e": OWN}
     problem = Problem(response, shared=shared, individual=individual, units=UNITS)

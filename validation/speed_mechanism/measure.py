@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from uqfold.mechanism import DEFAULT_TOLERANCE, WingParameters, deployment_times
 from uqfold.mechanism.deployment import deploy_rows
@@ -33,40 +33,25 @@ LARGEST_MEDIAN, LARGEST_RMS = 2e-5, 5e-5
 DRAWS = 200
 
 
-@dataclass(frozen=True)
-class Result:
-    """Speed of one contender and its errors (s) over the draws it was given."""
+def timed(run: Callable[[], np.ndarray], reference: np.ndarray, repeats: int = 1) -> dict[str, Any]:
+    """Run a contender; return its speed, the fastest of the repeats, and its errors.
 
-    name: str
-    per_second: float
-    errors: np.ndarray
-
-    @property
-    def median(self) -> float:
-        """Median size of the errors (s); NaN if a run failed."""
-        return float(np.median(np.abs(self.errors)))
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the errors (s); NaN if a run failed."""
-        return float(np.sqrt(np.mean(self.errors**2)))
-
-    @property
-    def accurate(self) -> bool:
-        """Whether the errors are as small as asked for."""
-        return self.median <= LARGEST_MEDIAN and self.rms <= LARGEST_RMS
-
-
-def timed(
-    name: str, run: Callable[[], np.ndarray], reference: np.ndarray, repeats: int = 1
-) -> Result:
-    """Run a contender; the fastest of the repeats counts, by processor time."""
+    The errors are NaN if a run failed.
+    """
     seconds = np.inf
     for _ in range(repeats):
         start = time.process_time()
         times = run()
         seconds = min(seconds, time.process_time() - start)
-    return Result(name, len(times) / seconds, times[: len(reference)] - reference[: len(times)])
+    errors = times[: len(reference)] - reference[: len(times)]
+    median, rms = np.median(np.abs(errors)), np.sqrt(np.mean(errors**2))
+    return {
+        "draws": len(errors),
+        "speed (1/s)": len(times) / seconds,
+        "median error (s)": median,
+        "root mean square error (s)": rms,
+        "accurate": bool(median <= LARGEST_MEDIAN and rms <= LARGEST_RMS),
+    }
 
 
 def peers(*, compiled: bool) -> dict[str, list[Solver]]:
@@ -93,22 +78,22 @@ def race(
     wings: list[WingParameters],
     reference: np.ndarray,
     tuning: int,
-) -> Result:
+) -> dict[str, Any]:
     """Choose the fastest setting that is accurate over a few draws, and time it over all."""
 
-    def runner(solver: Solver, some: list[WingParameters]) -> Callable[[], np.ndarray]:
-        return lambda: np.array([solver.integrate(wing) for wing in some])
+    def speed(solver: Solver, some: list[WingParameters]) -> dict[str, Any]:
+        return timed(lambda: np.array([solver.integrate(wing) for wing in some]), reference)
 
     settings[0].integrate(wings[0])  # compiles
-    tried = [(timed(name, runner(one, wings[:tuning]), reference), one) for one in settings]
-    accurate = [pair for pair in tried if pair[0].accurate]
+    tried = [(speed(one, wings[:tuning]), one) for one in settings]
+    accurate = [pair for pair in tried if pair[0]["accurate"]]
     # the smallest of the tolerances is accurate, if any is
-    _, best = max(accurate or tried[-1:], key=lambda pair: pair[0].per_second)
-    result = timed(name, runner(best, wings), reference)
-    return replace(result, name=f"{name} (rtol {best.rtol:.0e}, atol {best.atol:.0e})")
+    _, best = max(accurate or tried[-1:], key=lambda pair: pair[0]["speed (1/s)"])
+    name = f"{name} (rtol {best.rtol:.0e}, atol {best.atol:.0e})"
+    return {"contender": name} | speed(best, wings)
 
 
-def ours(draws: dict[str, Any], reference: np.ndarray, copies: int) -> tuple[Result, Result]:
+def ours(draws: dict[str, Any], reference: np.ndarray, copies: int) -> list[dict[str, Any]]:
     """Time scalar form and lanes on one core."""
     wings = Wings(PARAMETERS, draws).table()
     many = {name: np.tile(values, copies) for name, values in draws.items()}
@@ -123,10 +108,10 @@ def ours(draws: dict[str, Any], reference: np.ndarray, copies: int) -> tuple[Res
 
     scalar()
     lanes()
-    return (
-        timed("uqfold, scalar form", scalar, reference, repeats=5),
-        timed("uqfold, lanes on one core", lanes, reference, repeats=5),
-    )
+    return [
+        {"contender": "uqfold, scalar form"} | timed(scalar, reference, repeats=5),
+        {"contender": "uqfold, lanes on one core"} | timed(lanes, reference, repeats=5),
+    ]
 
 
 def gain_of_two_cores(draws: dict[str, Any], n: int) -> float:
@@ -157,40 +142,27 @@ def measure(work: Work) -> Measurement:
         race(name, settings, wings, reference, tuning)
         for name, settings in peers(compiled=work.tier == "full").items()
     ]
-    scalar, lanes = ours(draws, reference, copies=work.pick(10, 10, 40))
-    if work.fault == "scalar form":
-        lanes = scalar
+    rows = pd.DataFrame([*raced, *ours(draws, reference, copies=work.pick(10, 10, 40))])
     two_cores = gain_of_two_cores(draws, work.pick(2_000, 4_000, 40_000))
+    lanes = rows.iloc[-2 if work.fault == "scalar form" else -1]
+    rows["lanes are faster (times)"] = lanes["speed (1/s)"] / rows["speed (1/s)"]
 
-    def over(results: list[Result]) -> float:
-        return lanes.per_second / max(result.per_second for result in results)
+    def over(kind: str) -> float:
+        return rows.loc[rows["contender"].str.contains(kind), "lanes are faster (times)"].min()
 
-    python = [result for result in raced if "Python" in result.name]
-    compiled = [result for result in raced if "numba" in result.name]
     findings = [
-        Finding("lanes over SciPy with a Python right-hand side", over(python), OVER_PYTHON,
+        Finding("lanes over SciPy with a Python right-hand side", over("Python"), OVER_PYTHON,
                 at_least=True),
-        Finding("lanes over the scalar form", over([scalar]), OVER_SCALAR, at_least=True),
-        Finding("median error of the lanes", lanes.median, LARGEST_MEDIAN, "s"),
-        Finding("root mean square error of the lanes", lanes.rms, LARGEST_RMS, "s"),
-        Finding("deployments per second and core", lanes.per_second),
+        Finding("lanes over the scalar form", over("scalar form"), OVER_SCALAR, at_least=True),
+        Finding("median error of the lanes", lanes["median error (s)"], LARGEST_MEDIAN, "s"),
+        Finding("root mean square error of the lanes", lanes["root mean square error (s)"],
+                LARGEST_RMS, "s"),
+        Finding("deployments per second and core", lanes["speed (1/s)"]),
         Finding("two cores over one, by the clock", two_cores,
                 remark="means something on an idle machine only"),
     ]  # fmt: skip
-    if compiled:
+    if work.tier == "full":
         what = "lanes over the best general solver with compiled parts"
-        findings.append(Finding(what, over(compiled), OVER_COMPILED, at_least=True))
-    rows = [
-        {
-            "contender": result.name,
-            "draws": len(result.errors),
-            "speed (1/s)": result.per_second,
-            "lanes are faster (times)": lanes.per_second / result.per_second,
-            "median error (s)": result.median,
-            "root mean square error (s)": result.rms,
-            "accurate": result.accurate,
-        }
-        for result in (*raced, scalar, lanes)
-    ]
+        findings.append(Finding(what, over("numba"), OVER_COMPILED, at_least=True))
     title = "Deployments per second of processor time on one core, and errors"
     return Measurement(findings, [Table.of(title, rows)])

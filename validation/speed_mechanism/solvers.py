@@ -32,25 +32,16 @@ _MOST_RESTARTS = 2000
 
 Reached = tuple[float, np.ndarray, list[bool]]
 """Time (s), states, and whether there was the lock, a switch of B, a switch of C."""
-
 Segment = Callable[[float, np.ndarray, float, np.ndarray], Reached]
 """Integrates from (t, y) to the end of time given, or the first event, under given dampings."""
 
 
 @njit
-def _fill_rates(t, y, rates, w, z):  # type: ignore[no-untyped-def]
+def _rates(t, y, w, z):  # type: ignore[no-untyped-def]
     q, v = (y[0], y[1], y[2], y[3], y[4]), (y[5], y[6], y[7], y[8], y[9])
     drive = drive_force(t, w[0].k_d)
     a = accelerations(w[0], q, v, directions(q), z[0], z[1], drive)
-    for k in range(5):
-        rates[k], rates[5 + k] = v[k], a[k]
-
-
-@njit
-def _rates(t, y, w, z):  # type: ignore[no-untyped-def]
-    rates = np.empty(10)
-    _fill_rates(t, y, rates, w, z)
-    return rates
+    return np.array([v[0], v[1], v[2], v[3], v[4], a[0], a[1], a[2], a[3], a[4]])
 
 
 @njit
@@ -60,18 +51,10 @@ def _gaps(y, w):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _fill_events(y, events, w, z):  # type: ignore[no-untyped-def]
+def _events(y, w, z):  # type: ignore[no-untyped-def]
     gap = _gaps(y, w)
-    events[0] = y[4] - w[0].x_lock
-    for joint in range(2):
-        events[1 + joint] = (gap[2 * joint] if z[joint] < 0.0 else -gap[2 * joint]) - _HAIR
-
-
-@njit
-def _event(y, w, z, which):  # type: ignore[no-untyped-def]
-    events = np.empty(3)
-    _fill_events(y, events, w, z)
-    return events[which]
+    B, C = (gap[0] if z[0] < 0.0 else -gap[0]), (gap[2] if z[1] < 0.0 else -gap[2])
+    return np.array([y[4] - w[0].x_lock, B - _HAIR, C - _HAIR])
 
 
 @dataclass(frozen=True)
@@ -85,18 +68,17 @@ class Solver:
     atol: float
 
     def integrate(self, wing: WingParameters) -> float:
-        """Return the deployment time (s) of a wing."""
+        """Return the deployment time (s) of a wing; NaN where the solver fails."""
         # a trial step that is rejected may overflow
         with np.errstate(invalid="ignore", over="ignore"):
-            return self._compiled(wing) if self.compiled else self._plain(wing)
-
-    def _plain(self, wing: WingParameters) -> float:
-        tolerances = self.rtol, self.atol, math.inf
-        try:
-            return independent.deployment_time(wing, *tolerances, method=self.method)
-        except (OverflowError, ValueError):
-            # the solver went where Python's functions are not defined
-            return math.nan
+            if self.compiled:
+                return self._compiled(wing)
+            tolerances = self.rtol, self.atol, math.inf
+            try:
+                return independent.deployment_time(wing, *tolerances, method=self.method)
+            except (OverflowError, ValueError):
+                # the solver went where Python's functions are not defined
+                return math.nan
 
     def _compiled(self, wing: WingParameters) -> float:
         [row] = Wings(wing).table()
@@ -108,7 +90,7 @@ class Solver:
 
     def _scipy(self, w: np.ndarray) -> Segment:
         def segment(t: float, y: np.ndarray, end: float, z: np.ndarray) -> Reached:
-            events: list[Any] = [lambda _, y, k=k: float(_event(y, w, z, k)) for k in range(3)]
+            events: list[Any] = [lambda _, y, k=k: float(_events(y, w, z)[k]) for k in range(3)]
             for event in events:
                 event.terminal, event.direction = True, 1
             run = solve_ivp(
@@ -129,12 +111,15 @@ class Solver:
 
         z = np.full(2, -1.0)
 
+        def rates(t: float, y: np.ndarray, values: np.ndarray) -> None:
+            values[:] = _rates(t, y, w, z)
+
         def events(_: float, y: np.ndarray, values: np.ndarray) -> None:
-            _fill_events(y, values, w, z)
+            values[:] = _events(y, w, z)
 
         events.direction = [1, 1, 1]  # type: ignore[attr-defined]
         solver = CVODE(
-            lambda t, y, yp: _fill_rates(t, y, yp, w, z),
+            rates,
             eventsfn=events,
             num_events=3,
             method=self.method,
