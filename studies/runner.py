@@ -30,6 +30,7 @@ from uqfold.writing import write_text
 STORE = Path(__file__).resolve().parent / ".cache" / "evaluations.db"
 FORMULAS = ("series", "four-bar")
 """Problems whose model is faster than the disk: nothing of them is kept."""
+SCHEMA = "uqfold-study-results/2"
 NUMBERS_BY = ("uqfold.comparison.run", "uqfold.analysis")
 """What makes the numbers of a study; all that it imports counts too."""
 LEFT_OUT = [
@@ -164,7 +165,10 @@ class Run:
         command = f"python studies/{self.name}/study.py{' --quick' if self.quick else ''}"
         made = provenance.made_by(*NUMBERS_BY, command=command)
         seconds = round(time.perf_counter() - self._began)
-        self.record = {"quick": self.quick, **made, "seconds": seconds, "tables": [*self.tables]}
+        self.record = {
+            "schema": SCHEMA, "quick": self.quick, **made, "seconds": seconds,
+            "tables": [*self.tables],
+        }  # fmt: skip
         if self.out is not None:
             text = json.dumps(self.record, indent=1, ensure_ascii=False) + "\n"
             write_text(self.out / "results" / "record.json", text)
@@ -226,6 +230,12 @@ def read_run(folder: Path) -> Run:
     """Read the tables and the record of a study that has been run."""
     run, results = Run(folder.name), folder / "results"
     run.record = json.loads((results / "record.json").read_text(encoding="utf-8"))
+    # the first scripts stated none
+    schema = run.record.get("schema", SCHEMA)
+    if schema != SCHEMA:
+        raise ValueError(
+            f"{results}: the tables are of schema {schema!r}, not {SCHEMA!r}: run the study again"
+        )
     run.quick = run.record["quick"]
     for name in run.record["tables"]:
         texts = dict.fromkeys(TEXTS, str)
