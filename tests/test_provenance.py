@@ -175,3 +175,21 @@ def test_what_made_a_number_is_said_without_naming_this_machine(case: Path) -> N
     assert made["source"] == source_digest(case)
     assert str(case.parents[1]) not in repr(made)
     assert shown_command(["uqfold", "--out=/a/b c"]) == "uqfold '--out=.../b c'"
+
+
+def test_what_a_kept_deployment_time_depends_on_is_found_from_imports(
+    package: Path, case: Path
+) -> None:
+    """One provenance: the folding wing's version in a store is not a digest of its own."""
+    source = "import uqfold.problems.deployment_time\n"
+    parts = {
+        "mechanism/contact.py": ("uqfold/mechanism",),
+        "problems/deployment_time.py": ("uqfold/problems",),
+        # neither the table of means, nor what only draws a motion, nor a comment
+        "problems/wing.py": (),
+        "mechanism/tabulation.py": (),
+    }
+    for file, changed in parts.items():
+        assert edited(package, file, with_line, case, source) == changed, file
+    commented = edited(package, "mechanism/contact.py", lambda text: f"# why\n{text}", case, source)
+    assert commented == ()

@@ -6,10 +6,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from uqfold.evaluation.identity import model_identity
 from uqfold.mechanism import WingParameters, deployment_times, ideal_deployment_times
 from uqfold.methods.factorial_design import factorial_design
-from uqfold.problems import Problem, folding_wing, folding_wing_random_lengths
-from uqfold.problems.wing import INPUT_UNITS, TABLE_6, TABLE_10
+from uqfold.problems import Problem, deployment_time, folding_wing, folding_wing_random_lengths
+from uqfold.problems.deployment_time import INPUT_UNITS
+from uqfold.problems.wing import TABLE_6, TABLE_10
+from uqfold.provenance import source_digest
 
 # as printed: number -> (input, value); 1 to 10 are means, 11 to 20 standard deviations
 TABLE_8 = {
@@ -66,6 +69,21 @@ def test_a_changed_table_keeps_the_model_and_drops_what_belongs_to_the_printed_o
         printed.version,
         printed.model,
     )
+
+
+def test_other_code_has_another_version_so_that_no_store_serves_both(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One provenance: it says which deployment times in a store are those of this mechanism."""
+    now, other_wing = folding_wing(), folding_wing(WingParameters(C_r=0.0016))
+    assert now.version == folding_wing().version == folding_wing_random_lengths().version
+    assert other_wing.version != now.version
+    code = deployment_time._code()
+    assert code[0] == source_digest(deployment_time)
+    monkeypatch.setattr(deployment_time, "_code", lambda: ({**code[0], "x": "0"}, code[1]))
+    changed = folding_wing()
+    assert changed.version != now.version
+    assert model_identity(changed) != model_identity(now)
 
 
 def test_values_of_table_6_given_again_are_example_3() -> None:

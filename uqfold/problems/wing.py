@@ -10,44 +10,31 @@ the mechanisms are replaced after each flight. The lengths of crank and rod may 
   Any mean or standard deviation can be changed, as sections 4.4 and 4.5 do:
   `folding_wing(means={"V_q": 100.0})`.
 - `folding_wing_random_lengths()`: section 4.6, Table 10.
-
-This module is the one bridge between the mechanics (SI units) and the random inputs (the units of
-the tables).
 """
 
 from __future__ import annotations
 
-import hashlib
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from importlib.metadata import version
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from uqfold.checks import instance, mapping, or_none, real, refused
 from uqfold.inputs import normal
 from uqfold.mechanism import WingParameters
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, criteria
+from uqfold.problems.deployment_time import (
+    INPUT_UNITS,
+    DeploymentTime,
+    IdealDeploymentTime,
+    in_si,
+    version_of,
+)
 from uqfold.problems.reference import load_references
-from uqfold.typing import FloatArray
 
 Table: TypeAlias = Mapping[str, tuple[float, float]]
 """Input -> (mean, standard deviation), in `INPUT_UNITS`."""
 
-INPUT_UNITS = {
-    "V_q": "m/s",
-    "delta": "deg",
-    "k_d": "N",
-    "b": "mm",
-    "C_r": "mm",
-    "l_1": "mm",
-    "l_2": "mm",
-}
 SHARED = ("V_q", "delta")
-
-_TO_SI = {"m/s": 1.0, "N": 1.0, "deg": math.pi / 180.0, "mm": 1e-3}
 
 TABLE_6: Table = {
     "V_q": (140.0, 10.0),
@@ -70,57 +57,6 @@ DEFAULT_THRESHOLDS = (0.545, 0.550, 0.555, 0.560, 0.565, 0.570)
 DEFAULT_TAU = (None, 0.04)
 RANDOM_LENGTHS_THRESHOLDS = (0.360, 0.365, 0.370, 0.375, 0.380, 0.385)
 RANDOM_LENGTHS_TAU = (None, 0.025)
-
-
-@dataclass(frozen=True)
-class DeploymentTime:
-    """Deployment time of one wing, in the units of the random inputs.
-
-    Attributes
-    ----------
-    parameters
-        The mechanism; its values of the random inputs do not matter.
-    names
-        What the columns are.
-    """
-
-    parameters: WingParameters
-    names: tuple[str, ...] = tuple(TABLE_6)
-
-    def __call__(self, x: FloatArray) -> FloatArray:
-        """Return the deployment times (n,) in s of X (n, d)."""
-        from uqfold.mechanism import deployment_times
-
-        return deployment_times(self.parameters, **_in_si_units(self.names, x))
-
-
-@dataclass(frozen=True)
-class IdealDeploymentTime:
-    """Deployment time of one wing with ideal joints: the low-fidelity partner, in the same units.
-
-    Attributes
-    ----------
-    parameters, names
-        As in `DeploymentTime`.
-    """
-
-    parameters: WingParameters
-    names: tuple[str, ...] = tuple(TABLE_6)
-
-    def __call__(self, x: FloatArray) -> FloatArray:
-        """Return the deployment times (n,) in s of X (n, d)."""
-        from uqfold.mechanism import ideal_deployment_times
-
-        return ideal_deployment_times(self.parameters, **_in_si_units(self.names, x))
-
-
-def _in_si_units(names: tuple[str, ...], x: FloatArray) -> dict[str, Any]:
-    """Return the columns of X as the mechanism takes them."""
-    return {name: column * _si(name) for name, column in zip(names, x.T, strict=True)}
-
-
-def _si(name: str) -> float:
-    return _TO_SI[INPUT_UNITS[name]]
 
 
 def folding_wing(
@@ -240,7 +176,7 @@ def _changed(
         for name, (mean, deviation) in table.items()
     }
     try:
-        wing.replace(**{name: mean * _si(name) for name, (mean, _) in changed.items()})
+        wing.replace(**{name: mean * in_si(name) for name, (mean, _) in changed.items()})
     except ValueError as error:
         raise ValueError(f"no wing can be built at the means of its inputs: {error}") from error
     return changed
@@ -263,25 +199,10 @@ def _problem(
         units=4,
         low_fidelity=IdealDeploymentTime(wing, names),
         name=name,
-        version=_version(wing),
+        version=version_of(wing),
         response="deployment time",
         response_unit="s",
         input_units=[INPUT_UNITS[one] for one in names],
         default_criteria=default,
         references=None if references is None else load_references(references),
     )
-
-
-def _version(wing: WingParameters) -> str:
-    """Return a text that changes with whatever may change a deployment time.
-
-    That is the source of the mechanism and of this module, the parameters, and the compiler, which
-    may change the last digit.
-    """
-    import uqfold.mechanism
-
-    digest = hashlib.sha256(repr(wing).encode())
-    digest.update(f"numba {version('numba')}, llvmlite {version('llvmlite')}".encode())
-    for path in [Path(__file__), *sorted(Path(uqfold.mechanism.__file__).parent.glob("*.py"))]:
-        digest.update(path.read_bytes())
-    return f"deployment-{digest.hexdigest()[:16]}"
