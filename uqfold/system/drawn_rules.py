@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from uqfold.system.directions import DirectionMixture
+from uqfold.system.places import Places
 from uqfold.system.sampled_rule import (
     SAMPLED_STATIONS,
+    Values,
     failure_directions,
+    places_of_failure,
     random_lines,
     random_rays,
 )
@@ -33,6 +37,8 @@ class DrawnRules:
         Principal directions of the individual variables, in columns.
     directions
         Where rays lead to failure.
+    values
+        The surface at some of the shared nodes, as a function of the individual variables.
     asked
         Thresholds (T,) that tables are to hold exactly.
     rng
@@ -43,6 +49,7 @@ class DrawnRules:
     weights: FloatArray
     axes: FloatArray
     directions: DirectionMixture
+    values: Values
     asked: FloatArray
     rng: np.random.Generator
 
@@ -59,7 +66,13 @@ class DrawnRules:
 
         axes = plan.axes.individual
         directions = failure_directions(values, axes.shape[0], asked, rng)
-        return cls(nodes, weights, axes, directions, asked, rng)
+        return cls(nodes, weights, axes, directions, values, asked, rng)
+
+    @cached_property
+    def places(self) -> Places:
+        """Where lines lead to failure."""
+        along, across = self.axes[:, 0], self.axes[:, 1:]
+        return places_of_failure(self.values, along, across, self.asked, np.random.default_rng(1))
 
     def rule(self, most: int, *, rays: bool) -> SurfaceRule:
         """Draw about as many lines or rays as `most` points allow."""
@@ -67,6 +80,6 @@ class DrawnRules:
         if rays:
             lines = random_rays(self.directions, size, self.asked, self.rng)
         else:
-            across = self.axes[:, 1:]
-            lines = random_lines(self.axes[:, 0], across, size, self.asked, self.rng)
+            along, across = self.axes[:, 0], self.axes[:, 1:]
+            lines = random_lines(along, across, self.places, size, self.asked, self.rng)
         return SurfaceRule(self.shared_nodes, self.weights, lines, error=0.0)

@@ -259,6 +259,22 @@ def _mass(low: FloatArray, high: FloatArray) -> FloatArray:
     return np.asarray(np.where(low > 0.0, ndtr(-low) - ndtr(-high), ndtr(high) - ndtr(low)))
 
 
+def line_masses(table: FloatArray, threshold: float) -> FloatArray:
+    """Return the probability (n,) of values above a threshold along lines, roughly.
+
+    Parameters
+    ----------
+    table
+        Values (K, n, stations) of K functions at equally spaced stations from -REACH to REACH,
+        whose mean is taken.
+    threshold
+        The threshold.
+    """
+    unit, upsample = _refinement(table.shape[2])
+    cells = _mass(*_cells(REACH * (2.0 * unit - 1.0)))
+    return np.asarray(np.mean([(one @ upsample.T > threshold) @ cells for one in table], axis=0))
+
+
 def radial_mass(d: int, low: FloatArray, high: FloatArray) -> FloatArray:
     """Probability that the distance from the origin of d normal variables lies in [low, high]."""
     from scipy.special import gammainc, gammaincc

@@ -3,8 +3,8 @@
 Rays start at the origin of the individual variables, and along each of them the radius is
 integrated exactly: what is drawn are directions, from a mixture that is adapted, level by level,
 to where failure lies (improved cross-entropy). Random lines run along the direction in which the
-surface changes most. Rays suit surfaces that close around the origin and several failure regions,
-lines suit what bends a little in many directions; a trial of both tells which.
+surface changes most, at places adapted likewise. Rays suit surfaces that close around the origin
+and several failure regions, lines suit what bends in many directions; a trial of both tells which.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from typing import TypeAlias
 import numpy as np
 
 from uqfold.system.directions import DirectionMixture
-from uqfold.system.lines import REACH, LineRule, radial_mass, radial_reach
-from uqfold.typing import FloatArray
+from uqfold.system.lines import REACH, LineRule, line_masses, radial_mass, radial_reach
+from uqfold.system.places import Places, failure_places
+from uqfold.typing import FloatArray, IntArray
 
 Values: TypeAlias = Callable[[FloatArray], FloatArray]
 """Takes points (n, d_individual), gives the surface (K, n) at K places of the shared variables."""
@@ -35,14 +36,66 @@ _WIDE = 0.2
 
 
 def random_lines(
-    along: FloatArray, across: FloatArray, size: int, asked: FloatArray, rng: np.random.Generator
+    along: FloatArray,
+    across: FloatArray,
+    places: Places,
+    size: int,
+    asked: FloatArray,
+    rng: np.random.Generator,
 ) -> LineRule:
-    """Lines along one direction (d,), at normal places in the other directions (d, d - 1)."""
+    """Lines along one direction (d,), at places drawn in the other directions (d, d - 1)."""
     positions = np.linspace(-REACH, REACH, SAMPLED_STATIONS)
-    starts = rng.standard_normal((size, across.shape[1])) @ across.T
-    points = (starts[:, None, :] + positions[:, None] * along).reshape(-1, along.size)
-    weights = np.full(size, 1.0 / size)
+    drawn = places.draw(size, rng)
+    weights = np.exp(-places.log_density(drawn)) / size
+    points = _on_lines(drawn, positions, along, across)
     return LineRule(points, weights, positions, asked=asked, sampled=True)
+
+
+def places_of_failure(
+    values: Values,
+    along: FloatArray,
+    across: FloatArray,
+    asked: FloatArray,
+    rng: np.random.Generator,
+) -> Places:
+    """Find where lines along one direction (d,) lead to each of the thresholds, or to some.
+
+    Parameters
+    ----------
+    values
+        The surface.
+    along, across
+        The direction (d,) of the lines, and the others (d, d - 1).
+    asked
+        Thresholds (T,).
+    rng
+        Source of the places tried.
+    """
+    thresholds = np.unique(asked[_picked(asked.size)])
+    positions = np.linspace(-REACH, REACH, _FEW_STATIONS)
+    sides: list[bool] = []
+
+    def failing(places: FloatArray) -> FloatArray:
+        table = values(_on_lines(places, positions, along, across))
+        table = table.reshape(-1, places.shape[0], positions.size)
+        above = np.array([line_masses(table, threshold) for threshold in thresholds])
+        if not sides:
+            sides.extend(above.mean(axis=1) <= 0.5)
+        return np.where(np.array(sides)[:, None], above, 1.0 - above)
+
+    return failure_places(failing, across.shape[1], rng)
+
+
+def _on_lines(
+    places: FloatArray, positions: FloatArray, along: FloatArray, across: FloatArray
+) -> FloatArray:
+    points = (places @ across.T)[:, None, :] + positions[:, None] * along
+    return np.asarray(points.reshape(-1, along.size))
+
+
+def _picked(count: int) -> IntArray:
+    """Which of many thresholds places and directions are looked for."""
+    return np.linspace(0, count - 1, min(count, _MOST_LEVELS)).round().astype(int)
 
 
 def random_rays(
@@ -76,7 +129,7 @@ def failure_directions(
     rng
         Source of the directions tried.
     """
-    picked = np.linspace(0, asked.size - 1, min(asked.size, _MOST_LEVELS)).round().astype(int)
+    picked = _picked(asked.size)
     radii = np.linspace(0.0, radial_reach(dimension), _FEW_STATIONS)
     edges = np.concatenate([[0.0], 0.5 * (radii[1:] + radii[:-1]), [np.inf]])
     cells = radial_mass(dimension, edges[:-1], edges[1:])

@@ -178,22 +178,31 @@ class SurfaceSystem:
         drawn: DrawnRules,
         max_points: int,
     ) -> SurfaceSystem:
-        """Draw lines or rays, whichever a trial finds to err less."""
+        """Draw lines or rays, whichever a trial finds to err less.
 
-        def tried(most: int, *, rays: bool) -> tuple[float, SurfaceSystem]:
+        Where the answers of the two contradict each other, one of them has missed something that
+        its own scatter does not show: the distance counts as an error.
+        """
+
+        def tried(most: int, *, rays: bool) -> tuple[FloatArray, FloatArray, SurfaceSystem]:
             trial = replace(self, rule=drawn.rule(most, rays=rays))
-            errors = trial.integration_errors(trial.responses(surface), criteria)
-            return float(errors.max()), trial
+            responses = trial.responses(surface)
+            indices = reliability_indices(trial.failures_given(responses, criteria))
+            return indices, trial.integration_errors(responses, criteria), trial
 
         most, enough = max_points // _TRIED, max_points // _FEWER
         by_lines, by_rays = tried(most, rays=False), tried(most, rays=True)
-        rays = by_rays[0] < by_lines[0]
-        error, found = by_rays if rays else by_lines
-        while error > _ENOUGH and most < enough:
+        gap = np.abs(by_lines[0] - by_rays[0])
+        contradicted = gap > _CONTRADICTED * np.hypot(by_lines[1], by_rays[1])
+        error = float(gap[contradicted].max(initial=0.0))
+        rays = bool(by_rays[1].max() < by_lines[1].max())
+        _, errors, found = by_rays if rays else by_lines
+        while errors.max() > _ENOUGH and most < enough:
             most = min(4 * most, enough)
-            error, found = tried(most, rays=rays)
+            _, errors, found = tried(most, rays=rays)
         step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
-        return replace(found, coarse=found.rule.parts(step)[0][0])
+        rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
+        return replace(found, rule=rule, coarse=coarse)
 
     def failures(
         self,
@@ -249,7 +258,8 @@ class SurfaceSystem:
 
         Of quadrature: the tolerance of its refinement, or what this has still changed if that is
         more; what else is asked makes no difference to a rule that meets the tolerance. Of lines
-        drawn at random: the standard error, from the scatter of the answers of eight parts.
+        drawn at random: the standard error, from the scatter of the answers of eight parts, and
+        what lines and rays contradict each other by.
         """
         if not responses.parts:
             left = self.rule.error
@@ -262,7 +272,7 @@ class SurfaceSystem:
             ]
         )
         scatter = _FEW_PARTS * indices.std(axis=0, ddof=1) / math.sqrt(_GROUPS)
-        return np.asarray(np.hypot(_ROUNDING, scatter))
+        return np.asarray(np.hypot(math.hypot(_ROUNDING, self.rule.error), scatter))
 
     def changes(
         self,
