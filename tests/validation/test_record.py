@@ -160,12 +160,3 @@ def test_a_folder_is_read_in_order_of_topic_and_name(tmp_path: Path) -> None:
     assert [record.name for record in read_case_records(tmp_path)] == ["b", "a", "c"]
     with pytest.raises(RecordError, match="holds no records"):
         read_case_records(tmp_path / "empty")
-
-
-def test_the_former_name_of_the_room_is_understood_with_a_warning() -> None:
-    from uqfold import evidence
-
-    with pytest.warns(DeprecationWarning, match="uqfold.evidence is uqfold.validation now"):
-        assert evidence.Finding is Finding
-    with pytest.raises(AttributeError, match="has no attribute 'Axis'"):
-        _ = evidence.Axis
