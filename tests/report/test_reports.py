@@ -18,7 +18,6 @@ from tests.report.page.reading import Element, read
 from uqfold.comparison import RecordsError, write_records
 from uqfold.problems.criterion import Binomial, criteria
 from uqfold.report import report_page, write_report
-from uqfold.report.methods_section import parsed_settings
 
 HOSTILE = "</script><script>stolen()</script><img src=x onerror=stolen()>"
 
@@ -209,23 +208,6 @@ def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
         report_page(tmp_path)
     with pytest.raises(ValueError, match="choose from 'html', 'md'"):
         write_report(toy_frame(), tmp_path / "report.pdf")
-
-
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("Name()", ("Name", [])),
-        ("Name(a=(1, 2), b='x, y')", ("Name", [("a", "(1, 2)"), ("b", "'x, y'")])),
-        ("Name(1)", None),
-        ("Name(**{})", None),
-        ("module.Name(a=1)", None),
-        ("Name(a=1", None),
-        ("(" * 500, None),
-        ("", None),
-    ],
-)
-def test_settings_are_taken_apart_but_not_evaluated(text: str, found: Any) -> None:
-    assert parsed_settings(text) == found
 
 
 def test_more_rows_than_a_page_can_show_are_refused(frame: pd.DataFrame) -> None:

@@ -1,75 +1,71 @@
 """How methods are judged, and what the first screen says of them."""
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
+import pandas as pd
 import pytest
 
 from tests.comparison.fakes import METHODS, Told, toy_frame
 from tests.report.page.reading import cards as cards_in
 from uqfold.methods import ReliabilityMethod
-from uqfold.plots.wording import Row
 from uqfold.problems.criterion import criteria
 from uqfold.report import Page
-from uqfold.report.scores import MethodScore, method_scores, spreads
+from uqfold.report.scores import method_scores, spreads
 from uqfold.report.summary import add_summary
 
 
-def rows_of(*given: object, **named: object) -> Sequence[Row]:
-    return toy_frame(*given, **named).to_dict("records")  # type: ignore[arg-type]
-
-
 @pytest.fixture(scope="module")
-def rows() -> Sequence[Row]:
-    return rows_of()
+def frame() -> pd.DataFrame:
+    return toy_frame()
 
 
-def judged(rows: Sequence[Row]) -> dict[str, MethodScore]:
-    return {one.label: one for one in method_scores(rows)}
-
-
-def cards_of(rows: Sequence[Row]) -> dict[str, Any]:
+def cards_of(frame: pd.DataFrame) -> dict[str, Any]:
     page = Page("some")
-    add_summary(page, rows)
+    add_summary(page, frame)
     return cards_in(page)
 
 
 def cards(methods: dict[str, ReliabilityMethod], *, referenced: bool = True) -> dict[str, Any]:
-    return cards_of(rows_of(criteria([12.0, 13.0]), methods, referenced=referenced))
+    return cards_of(toy_frame(criteria([12.0, 13.0]), methods, referenced=referenced))
 
 
-def test_counts_errors_and_costs(rows: Sequence[Row]) -> None:
-    found = judged(rows)
-    exact, biased, broken = found["exact"], found["biased"], found["broken"]
-    assert (exact.right, exact.referenced, exact.always_right) == (12, 12, True)
-    assert (biased.right, biased.answered, biased.asked) == (0, 6, 12)
-    assert biased.median_error == pytest.approx(0.2)
-    assert not biased.always_right
-    assert (broken.answered, broken.statuses["failed"], broken.n_evals) == (0, 12, 0)
-    assert math.isnan(broken.median_error)
-    assert (exact.intervals, found["sampled"].intervals) == (0, 12)
+def test_counts_errors_and_costs(frame: pd.DataFrame) -> None:
+    found = method_scores(frame)
+    assert list(found.index) == list(dict.fromkeys(frame["label"]))
+    exact, biased, broken = (found.loc[one] for one in ("exact", "biased", "broken"))
+    assert (exact["right"], exact["referenced"]) == (12, 12)
+    assert (biased["right"], biased["answered"], biased["asked"]) == (0, 6, 12)
+    assert biased["median_error"] == pytest.approx(0.2)
+    assert (broken["answered"], broken["failed"], broken["n_evals"]) == (0, 12, 0)
+    assert math.isnan(broken["median_error"])
+    assert list(found["stated"][["exact", "sampled"]]) == [0, 12]
 
 
 @pytest.mark.parametrize(("bias", "right"), [(0.0999, 1), (0.1001, 0), (-0.0999, 1), (-0.11, 0)])
 def test_right_is_within_ten_percent(bias: float, right: int) -> None:
-    found = rows_of(criteria(12.0), {"one": Told(bias=bias)})
-    assert judged(found)["one"].right == right
+    found = method_scores(toy_frame(criteria(12.0), {"one": Told(bias=bias)}))
+    assert found["right"]["one"] == right
 
 
 def test_a_reference_that_cannot_tell_condemns_nobody() -> None:
-    (row,) = rows_of(criteria(12.0), {"one": Told(bias=0.3)})
-    vague = {**row, "reference_std_error": 0.2 * row["reference_pf"]}
-    assert judged([vague])["one"].right == 1
+    frame = toy_frame(criteria(12.0), {"one": Told(bias=0.3)})
+    vague = frame.assign(reference_std_error=0.2 * frame["reference_pf"])
+    assert method_scores(vague)["right"]["one"] == 1
+
+
+def test_a_reference_of_unknown_error_still_judges() -> None:
+    frame = toy_frame(criteria(12.0), {"one": Told(bias=0.05), "other": Told(bias=0.2)})
+    found = method_scores(frame.assign(reference_std_error=math.nan))
+    assert list(found["right"]) == [1, 0]
 
 
 def test_an_interval_covers_within_what_the_reference_knows() -> None:
-    (row,) = rows_of(criteria(12.0), {"sampled": METHODS["sampled"]})
-    pf, error = row["reference_pf"], row["reference_std_error"]
-    near = {**row, "ci_low": pf + 1.9 * error, "ci_high": 1.0}
-    beyond = {**row, "ci_low": pf + 2.1 * error, "ci_high": 1.0}
-    assert judged([near])["sampled"].covering == 1
-    assert judged([beyond])["sampled"].covering == 0
+    frame = toy_frame(criteria(12.0), {"sampled": METHODS["sampled"]})
+    pf, error = frame["reference_pf"], frame["reference_std_error"]
+    for errors, cover in ((1.9, 1), (2.1, 0)):
+        near = frame.assign(ci_low=pf + errors * error, ci_high=1.0)
+        assert method_scores(near)["cover"]["sampled"] == cover
 
 
 def test_the_cheapest_of_the_right_ones_is_named() -> None:
@@ -95,8 +91,8 @@ def test_without_a_reference_agreement_is_told_and_not_called_right() -> None:
     assert card["tone"] == "warn"
     assert "nobody knows here who is right" in card["more"][-1]
     assert "right" not in found["At what cost?"]["more"][0]
-    apart = rows_of(criteria(12.0), {"one": Told(), "other": Told(bias=0.25)})
-    assert spreads(apart) == [pytest.approx(0.25)]
+    apart = toy_frame(criteria(12.0), {"one": Told(), "other": Told(bias=0.25)})
+    assert list(spreads(apart)) == [pytest.approx(0.25)]
 
 
 def test_without_any_answer_nothing_is_praised() -> None:
@@ -114,6 +110,6 @@ def test_answers_without_an_error_are_counted_and_not_called_converged() -> None
 
 
 def test_what_is_not_supported_is_no_failure() -> None:
-    card = cards_of(rows_of(methods={"biased": METHODS["biased"]}))["What failed?"]
+    card = cards_of(toy_frame(methods={"biased": METHODS["biased"]}))["What failed?"]
     assert card["answer"] == "Nothing"
-    assert card["more"][0] == "6 of 12 answers are outside what a method can do."
+    assert card["more"][0].startswith("6 of 12 answers are outside what a method can do;")

@@ -229,7 +229,7 @@ class ComparisonSession:
 
     def _report(self, frame: pd.DataFrame) -> None:
         from uqfold.report.figures import write_figures
-        from uqfold.report.table import ComparisonTable, noted
+        from uqfold.report.table import ComparisonTable
 
         out = stdout_console(quiet=self.quiet)
         try:
@@ -240,8 +240,8 @@ class ComparisonSession:
                 self.written += write_figures(frame, self.folder)
         names = ", ".join(path.name for path in self.written)
         out.print()
-        for line in noted({f"written to {shown_path(self.folder)}: ": names}, out.width):
-            out.print(line, highlight=False)
+        where = f"written to {shown_path(self.folder)}: {names}"
+        out.print(where, highlight=False, markup=False, soft_wrap=True)
 
     def _say_interrupted(self) -> None:
         from uqfold.evaluation import Store

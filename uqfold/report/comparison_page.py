@@ -77,7 +77,7 @@ def comparison_page(frame: pd.DataFrame) -> Page:
         imprint=f"Made by uqfold {uqfold.__version__} from records of "
         f"{header['date'] or 'unknown date'}. Numbers are the recorded ones; no model was run.",
     )
-    add_summary(page, rows)
+    add_summary(page, frame)
     _add_results(page, frame, rows)
     add_methods(page, header, rows)
     add_reproduction(page, header)
@@ -119,9 +119,16 @@ def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
         )
     numbers = remarks(rows)
     page.section("All answers", name=TABLE_NAME)
+    in_unit = f" ({unit})" if unit else ""
     page.table(
-        _answers(rows, unit, numbers),
+        _answers(rows, in_unit, numbers),
         "Every answer, with the interval that the method states",
+        formats={
+            f"T{in_unit}": _quantity,
+            f"tau{in_unit}": _quantity,
+            "pf": lambda pf: typeset(probability(pf, 4)),
+            "beta": lambda beta: NO_VALUE if math.isnan(beta) else f"{beta:.3f}",
+        },
         belongs=[
             gid(method=row["label"], criterion=panel_text(panel_key(row), unit)) for row in rows
         ],
@@ -140,23 +147,22 @@ def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
 
 
 def _answers(
-    rows: Sequence[Row], unit: str, numbers: Mapping[tuple[str, str], int]
+    rows: Sequence[Row], in_unit: str, numbers: Mapping[tuple[str, str], int]
 ) -> pd.DataFrame:
-    """Return every row of a comparison in words; columns that would be empty are left out."""
+    """Return every row of a comparison; columns that would be empty are left out."""
     import pandas as pd
 
-    in_unit = f" ({unit})" if unit else ""
     columns: dict[str, list[Any]] = {
         "method": [row["label"] for row in rows],
-        f"T{in_unit}": [Cell(quantity(row["threshold"], ""), row["threshold"]) for row in rows],
+        f"T{in_unit}": [row["threshold"] for row in rows],
     }
     if any(not math.isnan(row["tau"]) for row in rows):
-        columns[f"tau{in_unit}"] = [_tau(row["tau"]) for row in rows]
+        columns[f"tau{in_unit}"] = [row["tau"] for row in rows]
     if len({row["missions"] for row in rows}) > 1:
         columns["missions"] = [row["missions"] for row in rows]
-    columns["pf"] = [_number(probability(row["pf"], 4), row["pf"]) for row in rows]
+    columns["pf"] = [row["pf"] for row in rows]
     columns["interval"] = [_interval(row) for row in rows]
-    columns["beta"] = [_number(f"{row['beta']:.3f}", row["beta"]) for row in rows]
+    columns["beta"] = [row["beta"] for row in rows]
     if any(not math.isnan(row["reference_pf"]) for row in rows):
         columns["reference"] = [_reference(row) for row in rows]
         columns["error"] = [_error(row) for row in rows]
@@ -168,12 +174,8 @@ def _answers(
     return pd.DataFrame(columns)
 
 
-def _number(text: str, value: float) -> Cell:
-    return Cell(NO_VALUE if math.isnan(value) else typeset(text), value)
-
-
-def _tau(tau: float) -> Cell:
-    return Cell("none" if math.isnan(tau) else quantity(tau, ""), tau)
+def _quantity(value: float) -> str:
+    return "none" if math.isnan(value) else quantity(value, "")
 
 
 def _interval(row: Row) -> Cell:
@@ -188,12 +190,12 @@ def _interval(row: Row) -> Cell:
 def _reference(row: Row) -> Cell:
     pf, error = row["reference_pf"], row["reference_std_error"]
     spread = f" ± {scientific(error, 2)}" if error > NEGLIGIBLE * pf else ""
-    return _number(probability(pf, 4) + spread, pf)
+    return Cell(typeset(probability(pf, 4) + spread), pf)
 
 
 def _error(row: Row) -> Cell:
     within = "~" if row["error"] <= reference_resolution(row) else ""
-    return _number(f"{within}{percent(row['error'])}", row["error"])
+    return Cell(f"{within}{percent(row['error'])}", row["error"])
 
 
 def _evaluations(row: Row) -> Cell:
@@ -211,8 +213,6 @@ def _remarks(rows: Sequence[Row], numbers: Mapping[tuple[str, str], int]) -> pd.
     for (label, words), number in numbers.items():
         own = [row for row in rows if (row["label"], remark(row)) == (label, words)]
         statuses = dict.fromkeys(row["status"].replace("_", " ") for row in own)
-        said.append(
-            (Cell(f"[{number}]", float(number)), label, ", ".join(statuses), len(own), words)
-        )
+        said.append((Cell(f"[{number}]", number), label, ", ".join(statuses), len(own), words))
     heads = ["remark", "method", "status", "criteria", "what the method says"]
     return pd.DataFrame(said, columns=heads)

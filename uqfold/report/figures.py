@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
 from uqfold.plots.comparison_figure import comparison
@@ -15,18 +16,17 @@ from uqfold.plots.wording import comparison_rows, drawable
 if TYPE_CHECKING:
     import pandas as pd
 
-COMPARISON_STEM = "comparison"
-ERROR_STEM = "error-against-evaluations"
+FIGURES: dict[str, tuple[str, Callable[[pd.DataFrame], Any]]] = {
+    "comparison": ("pf", comparison),
+    "error-against-evaluations": ("error", error_against_evaluations),
+}
+"""Name of a figure -> the column without which there is none, and what draws it."""
 FORMATS = ("png", "svg")
 
 
 def figure_paths(folder: str | os.PathLike[str]) -> list[Path]:
     """Return the files that `write_figures` may write."""
-    return [
-        Path(folder) / f"{stem}.{suffix}"
-        for stem in (COMPARISON_STEM, ERROR_STEM)
-        for suffix in FORMATS
-    ]
+    return [Path(folder) / f"{name}.{suffix}" for name in FIGURES for suffix in FORMATS]
 
 
 def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[Path]:
@@ -49,8 +49,7 @@ def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[P
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
-    if drawable(rows, "pf"):
-        written += save(comparison(frame), directory / COMPARISON_STEM, FORMATS)
-    if drawable(rows, "error"):
-        written += save(error_against_evaluations(frame), directory / ERROR_STEM, FORMATS)
+    for name, (needed, draw) in FIGURES.items():
+        if drawable(rows, needed):
+            written += save(draw(frame), directory / name, FORMATS)
     return written

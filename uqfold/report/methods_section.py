@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -10,6 +9,36 @@ from uqfold.plots.wording import Row, quantity
 from uqfold.report.page.builder import Page
 from uqfold.report.page.markup import code, literal
 
+_STRUCTURES = {
+    "Series()": "all of which must work",
+    "Parallel()": "at least one of which must work",
+}
+_DEFINITION = (
+    (
+        r"q(v) = \Pr\left\{ \max_i t_i \le T \mid v \right\} = "
+        r"\left[ H(T \mid v) \right]^n",
+        "With the distribution function H of one unit's response given the shared inputs v, "
+        "one mission of n units works with probability",
+        "Eqs. (22), (23)",
+    ),
+    (
+        r"q(v) = \Pr\left\{ \max_i t_i \le T, \; \max_i t_i - \min_i t_i \le \tau "
+        r"\mid v \right\}",
+        "under a synchronization threshold tau one mission works with probability",
+        "Eq. (37)",
+    ),
+    (
+        r"p_f = \operatorname{E}_v \left[ 1 - q(v)^m \right]",
+        "m missions with the same shared inputs fail with probability",
+        "Eqs. (28), (39)",
+    ),
+    (
+        r"p_f = \operatorname{E}_v \left[ 1 - \left( 1 - p + p \, q(v) \right)^N \right]",
+        "and, where of N planned missions each is flown with probability p,",
+        "Eqs. (30), (40)",
+    ),
+)
+"""How a series system fails: without tau, with tau, over m missions, over a binomial number."""
 _POLICIES = {
     "bound": "counted as failures in pf; pf with all of them safe is given beside it",
     "count-as-failure": "counted as failures",
@@ -71,7 +100,9 @@ def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
         page.text(literal(said + "Its inputs are not recorded."))
         return
     units = "one unit" if system["units"] == 1 else f"{system['units']} units"
-    said = f"{header['problem']}: {units}, {_structure_words(system['structure'])}. "
+    structure = system["structure"]
+    must = _STRUCTURES.get(structure, f"structure {structure}")
+    said = f"{header['problem']}: {units}, {must}. "
     said += f"The response of a unit is its {header['response']}{unit}. "
     if system["units"] > 1 and any(one["role"] == "shared" for one in system["inputs"]):
         said += (
@@ -86,14 +117,6 @@ def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
     page.table(pd.DataFrame(listed, columns=heads), "Random inputs")
     if system["dependence"] != "independent":
         page.text(literal(f"The inputs are joined by a copula: {system['dependence']}."))
-
-
-def _structure_words(structure: str) -> str:
-    known = {
-        "Series()": "all of which must work",
-        "Parallel()": "at least one of which must work",
-    }
-    return known.get(structure, f"structure {structure}")
 
 
 def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) -> None:
@@ -132,32 +155,9 @@ def _values(values: Iterable[float], unit: str) -> str:
 
 def _add_definition(page: Page, without_tau: bool, with_tau: bool, binomial: bool) -> None:
     """Define the failure probability of a series system, as the criteria ask for it."""
-    if without_tau:
-        page.equation(
-            r"q(v) = \Pr\left\{ \max_i t_i \le T \mid v \right\} = "
-            r"\left[ H(T \mid v) \right]^n",
-            "With the distribution function H of one unit's response given the shared inputs v, "
-            "one mission of n units works with probability",
-            "Eqs. (22), (23)",
-        )
-    if with_tau:
-        page.equation(
-            r"q(v) = \Pr\left\{ \max_i t_i \le T, \; \max_i t_i - \min_i t_i \le \tau "
-            r"\mid v \right\}",
-            "under a synchronization threshold tau one mission works with probability",
-            "Eq. (37)",
-        )
-    page.equation(
-        r"p_f = \operatorname{E}_v \left[ 1 - q(v)^m \right]",
-        "m missions with the same shared inputs fail with probability",
-        "Eqs. (28), (39)",
-    )
-    if binomial:
-        page.equation(
-            r"p_f = \operatorname{E}_v \left[ 1 - \left( 1 - p + p \, q(v) \right)^N \right]",
-            "and, where of N planned missions each is flown with probability p,",
-            "Eqs. (30), (40)",
-        )
+    for asked, equation in zip((without_tau, with_tau, True, binomial), _DEFINITION, strict=True):
+        if asked:
+            page.equation(*equation)
 
 
 def _add_method(page: Page, entry: Mapping[str, Any], cited: Mapping[str, int]) -> None:
@@ -166,41 +166,9 @@ def _add_method(page: Page, entry: Mapping[str, Any], cited: Mapping[str, int]) 
         page.text(literal(theory["summary"]))
     for one in theory["equations"]:
         page.equation(one["latex"], literal(one["lead"]), one["source"])
-    page.facts(_settings(entry))
+    page.code(entry["settings"] or f"{entry['method']}: settings not recorded")
     if theory["references"]:
         numbers = ", ".join(str(cited[one]) for one in theory["references"])
         page.text(f"[References](#references) {numbers}.", small=True)
     if not theory["summary"] and not theory["equations"]:
         page.text("The method states no equations.", small=True)
-
-
-def _settings(entry: Mapping[str, Any]) -> dict[str, str]:
-    found = parsed_settings(entry["settings"])
-    if found is None:
-        recorded = entry["settings"] or "not recorded"
-        return {"method": code(entry["method"]), "settings": code(recorded)}
-    name, settings = found
-    return {"class": code(name)} | {key: code(value) for key, value in settings}
-
-
-def parsed_settings(text: str) -> tuple[str, list[tuple[str, str]]] | None:
-    """Take a text like ``Name(a=1, b='x')`` apart, without evaluating it; None if it is another.
-
-    Examples
-    --------
-    >>> parsed_settings("MonteCarlo(systems=None, target_cov=0.1)")
-    ('MonteCarlo', [('systems', 'None'), ('target_cov', '0.1')])
-    """
-    try:
-        call = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
-    if not isinstance(call, ast.Call) or call.args or not isinstance(call.func, ast.Name):
-        return None
-    settings = []
-    for keyword in call.keywords:
-        value = ast.get_source_segment(text, keyword.value)
-        if keyword.arg is None or value is None:
-            return None
-        settings.append((keyword.arg, value))
-    return call.func.id, settings

@@ -3,211 +3,171 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Sequence
-from statistics import median
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from uqfold.plots.telling import gid
-from uqfold.plots.wording import Row, count_text, percent, seconds_text
+from uqfold.plots.wording import count_text, percent, seconds_text
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Cell, Tone, typeset
 from uqfold.report.page.markup import literal
-from uqfold.report.scores import (
-    NOT_CONVERGED,
-    RIGHT_WITHIN,
-    MethodScore,
-    method_scores,
-    spreads,
-)
+from uqfold.report.scores import RIGHT_WITHIN, method_scores, spreads
 from uqfold.report.wording import UNCHECKED
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _RIGHT = f"{100 * RIGHT_WITHIN:g} %"
-_FAULTS = ("budget_exhausted", "doubtful", "failed")
-_SHARE_TO_NAME = 3
+_MOST_NAMED = 3
 """Methods named one by one in a card; the table below has them all."""
-_MOST_LINES = 3
-"""Statements below the answer of a card, so that the summary stays on one screen."""
+_STATUSES: dict[str, tuple[str, Tone]] = {
+    "failed": ("failed", "bad"),
+    "doubtful": ("are doubtful", "warn"),
+    "budget_exhausted": ("are out of budget", "warn"),
+    "unsupported": ("are outside what a method can do", "quiet"),
+    "unchecked": ("are unchecked", ""),
+    "converged": ("are converged", "good"),
+}
+"""Status -> what is said of answers that have it, and their tone; the worst first."""
+_FAULTS = ["failed", "doubtful", "budget_exhausted"]
 
 
-def add_summary(page: Page, rows: Sequence[Row]) -> None:
+def add_summary(page: Page, frame: pd.DataFrame) -> None:
     """Add the first screen of the report on a comparison: cards, and one line per method."""
-    scored = method_scores(rows)
-    _add_right(page, rows, scored)
-    _add_cost(page, scored)
-    _add_failures(page, scored)
+    scores = method_scores(frame)
+    if scores["referenced"].any():
+        _add_right(page, scores)
+    else:
+        _add_agreement(page, spreads(frame))
+    _add_cost(page, scores)
+    _add_failures(page, scores)
     page.table(
-        _methods(scored),
+        _methods(scores),
         "Methods",
         name="methods-in-short",
-        belongs=[gid(method=one.label) for one in scored],
+        formats={"median error": _error_text, "largest": _error_text, "time": seconds_text},
+        belongs=[gid(method=label) for label in scores.index],
     )
     said = "One evaluation is one run of the model."
-    if any(one.referenced for one in scored):
+    if scores["referenced"].any():
         said += (
             f" Error: |pf - reference| / reference, Eq. (49). An answer is within {_RIGHT} also "
             "where two standard errors of the reference are more."
         )
-    if any(one.statuses["unchecked"] for one in scored):
+    if scores["unchecked"].any():
         said += f" Unchecked: {UNCHECKED}."
     page.text(said, small=True)
 
 
-def _add_right(page: Page, rows: Sequence[Row], scored: Sequence[MethodScore]) -> None:
-    referenced = [one for one in scored if one.referenced]
-    if not referenced:
-        _add_agreement(page, rows)
-        return
-    ranked = sorted(referenced, key=lambda one: (-one.right, one.n_evals))
-    best = ranked[0]
+def _add_right(page: Page, scores: pd.DataFrame) -> None:
     title = "Who was right?"
-    if best.right == 0:
-        said = f"No answer is within {_RIGHT} of its reference."
-        page.card(title, "Nobody", said, tone="bad")
+    ranked = scores.sort_values(["right", "n_evals"], ascending=[False, True], kind="stable")
+    most, asked = ranked[["right", "referenced"]].iloc[0]
+    if most == 0:
+        page.card(title, "Nobody", f"No answer is within {_RIGHT} of its reference.", tone="bad")
         return
-    equal = [one for one in ranked if one.right == best.right]
-    rest = [one for one in ranked if one.right < best.right]
-    more = [f"Within {_RIGHT} on {best.right} of {best.referenced} criteria."]
-    if rest:
-        more.append("; ".join(f"{literal(one.label)} on {one.right}" for one in rest) + ".")
-    tone: Tone = "good" if best.right == best.referenced else "warn"
-    page.card(title, _listed([one.label for one in equal]), *more, tone=tone)
+    more = [f"Within {_RIGHT} on {most} of {asked} criteria."]
+    rest = ranked[ranked["right"] < most]
+    if len(rest):
+        listed = (f"{literal(label)} on {right}" for label, right in rest["right"].items())
+        more.append("; ".join(listed) + ".")
+    best = ranked.index[ranked["right"] == most]
+    page.card(title, _listed(best), *more, tone="good" if most == asked else "warn")
 
 
-def _add_agreement(page: Page, rows: Sequence[Row]) -> None:
-    title, apart = "Do the methods agree?", spreads(rows)
+def _add_agreement(page: Page, apart: pd.Series) -> None:
+    title = "Do the methods agree?"
     note = "There is no reference: nobody knows here who is right."
-    if not apart:
+    if apart.empty:
         page.card(title, "Nothing to compare", note, tone="warn")
         return
-    tone: Tone = "good" if max(apart) <= RIGHT_WITHIN else "warn"
-    answer = f"To within {typeset(percent(max(apart)))}"
-    half = f"Half of the criteria to within {typeset(percent(median(apart)))}."
-    page.card(title, answer, half, note, tone=tone)
+    answer = f"To within {typeset(percent(apart.max()))}"
+    half = f"Half of the criteria to within {typeset(percent(apart.median()))}."
+    page.card(title, answer, half, note, tone="good" if apart.max() <= RIGHT_WITHIN else "warn")
 
 
-def _add_cost(page: Page, scored: Sequence[MethodScore]) -> None:
+def _add_cost(page: Page, scores: pd.DataFrame) -> None:
     title = "At what cost?"
-    answering = [one for one in scored if one.answered]
-    if not answering:
+    answering = scores[scores["answered"] > 0]
+    if answering.empty:
         page.card(title, "No answer at any cost", tone="bad")
         return
     # of those that were right most often the cheapest; without references all were right equally
-    best = min(answering, key=lambda one: (-one.right, one.n_evals, one.seconds))
-    which = "right most often" if best.right else "the cheapest with an answer"
-    more = [f"{literal(best.label)}, {which}, took {seconds_text(best.seconds)}."]
-    equal = [one for one in answering if one.right == best.right and one is not best]
-    if best.right and equal:
-        counts = dict.fromkeys(count_text(one.n_evals) for one in _by_cost(equal))
-        more.append(f"As often right, with more: {_listed(list(counts))}.")
-    right = [one for one in answering if one.always_right and one.right < best.right]
-    if right:
-        other = _by_cost(right)[0]
-        share = "on the one criterion that it answers"
-        if other.right > 1:
-            share = f"on the {other.right} criteria that it answers"
-        more.append(f"{literal(other.label)} was right {share}, with {count_text(other.n_evals)}.")
-    dearest = max(answering, key=lambda one: one.n_evals)
-    if dearest.n_evals > best.n_evals and len(more) < _MOST_LINES:
-        more.append(f"The most: {literal(dearest.label)} with {count_text(dearest.n_evals)}.")
-    page.card(title, f"{count_text(best.n_evals)} evaluations", *more)
+    by_cost = answering.sort_values(["n_evals", "seconds"], kind="stable")
+    best = by_cost["right"].idxmax()
+    evals, seconds, right = by_cost.loc[best, ["n_evals", "seconds", "right"]]
+    which = "right most often" if right else "the cheapest with an answer"
+    more = [f"{literal(best)}, {which}, took {seconds_text(seconds)}."]
+    dearest = answering["n_evals"].idxmax()
+    if answering["n_evals"][dearest] > evals:
+        most = count_text(answering["n_evals"][dearest])
+        more.append(f"The most: {literal(dearest)} with {most}.")
+    page.card(title, f"{count_text(int(evals))} evaluations", *more)
 
 
-def _by_cost(scored: Sequence[MethodScore]) -> list[MethodScore]:
-    return sorted(scored, key=lambda one: one.n_evals)
-
-
-def _add_failures(page: Page, scored: Sequence[MethodScore]) -> None:
-    title = "What failed?"
-    total: Counter[str] = sum((one.statuses for one in scored), Counter())
-    rows = total.total()
-    lost, refused = total["failed"], total["unsupported"]
-    doubted, short = total["doubtful"], total["budget_exhausted"]
-    unchecked = total["unchecked"]
-    if rows == total["converged"]:
-        page.card(title, "Nothing", f"All {rows} answers are converged.", tone="good")
-        return
-    if rows == total["converged"] + unchecked:
-        page.card(title, "Nothing", _said_of(unchecked, rows))
-        return
-    named = [
-        (lost, "failed"),
-        (doubted, "doubtful"),
-        (short, "out of budget, with an answer"),
-        (refused, "not supported"),
-    ]
-    (first, word), *others = [(count, word) for count, word in named if count]
-    tone: Tone = "bad" if lost else "warn" if doubted or short else ""
-    if not lost and not doubted and not short:
-        first, word, others = 0, "", [(refused, "not supported")]
-    answer = f"{first} of {rows} {word}" if first else "Nothing"
-    more = [f"Also {', '.join(f'{count} {name}' for count, name in others)}."] if others else []
-    if not first:
-        more = [f"{refused} of {rows} answers are outside what a method can do."]
-    guilty = [one.label for one in scored if any(one.statuses[s] for s in _FAULTS)]
-    if guilty:
+def _add_failures(page: Page, scores: pd.DataFrame) -> None:
+    asked = scores["asked"].sum()
+    said = {
+        status: f"{scores[status].sum()} of {asked} answers {words}"
+        for status, (words, _) in _STATUSES.items()
+        if scores[status].any()
+    }
+    tone = _STATUSES[next(iter(said))][1]
+    if len(said) > 1:
+        said.pop("converged", "")
+    answer = "Nothing"
+    if faults := [status for status in said if status in _FAULTS]:
+        answer = said.pop(faults[0]).replace(" answers", "")
+    more = [f"{'; '.join(said.values())}."] if said else []
+    guilty = scores.index[scores[_FAULTS].any(axis=1)]
+    if len(guilty):
         more.append(f"Concerns {_listed(guilty)}.")
-    if unchecked:
-        more.append(_said_of(unchecked, rows))
-    page.card(title, answer, *more, tone=tone)
+    page.card("What failed?", answer, *more, tone="" if tone == "quiet" else tone)
 
 
-def _said_of(unchecked: int, rows: int) -> str:
-    return f"{unchecked} of {rows} answers are unchecked."
-
-
-def _listed(labels: Sequence[str]) -> str:
-    if len(labels) > _SHARE_TO_NAME:
-        others = len(labels) - _SHARE_TO_NAME + 1
-        labels = [*labels[: _SHARE_TO_NAME - 1], f"{others} others"]
-    *front, last = map(literal, labels)
+def _listed(labels: Iterable[str]) -> str:
+    named = list(labels)
+    if len(named) > _MOST_NAMED:
+        others = len(named) - _MOST_NAMED + 1
+        named = [*named[: _MOST_NAMED - 1], f"{others} others"]
+    *front, last = map(literal, named)
     return f"{', '.join(front)} and {last}" if front else last
 
 
-def _methods(scored: Sequence[MethodScore]) -> pd.DataFrame:
+def _methods(scores: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
-    columns: dict[str, list[Any]] = {"method": [one.label for one in scored]}
-    columns["status"] = [_status(one) for one in scored]
-    columns["answered"] = [Cell(f"{one.answered} of {one.asked}", one.answered) for one in scored]
-    if any(one.referenced for one in scored):
-        columns["median error"] = [_error(one.median_error) for one in scored]
-        columns["largest"] = [_error(max(one.errors, default=math.nan)) for one in scored]
-        columns[f"within {_RIGHT}"] = [
-            Cell(f"{one.right} of {one.referenced}", one.right) for one in scored
-        ]
-        columns["interval covers"] = [_cover(one) for one in scored]
-    columns["evaluations"] = [one.n_evals for one in scored]
-    columns["time"] = [Cell(seconds_text(one.seconds), one.seconds) for one in scored]
+    rows = scores.to_dict("records")
+    columns: dict[str, Any] = {
+        "method": scores.index,
+        "status": [_status(row) for row in rows],
+        "answered": [Cell(f"{row['answered']} of {row['asked']}", row["answered"]) for row in rows],
+    }
+    if scores["referenced"].any():
+        columns |= {
+            "median error": scores["median_error"].array,
+            "largest": scores["largest_error"].array,
+            f"within {_RIGHT}": [
+                Cell(f"{row['right']} of {row['referenced']}", row["right"]) for row in rows
+            ],
+            "interval covers": [_cover(row) for row in rows],
+        }
+    columns |= {"evaluations": scores["n_evals"].array, "time": scores["seconds"].array}
     return pd.DataFrame(columns)
 
 
-def _error(error: float) -> Cell:
-    return Cell("no answer" if math.isnan(error) else typeset(percent(error)), error)
+def _error_text(error: float) -> str:
+    return "no answer" if math.isnan(error) else typeset(percent(error))
 
 
-def _cover(one: MethodScore) -> Cell:
-    if not one.intervals:
+def _cover(row: dict[Any, Any]) -> Cell:
+    if not row["stated"]:
         return Cell("none stated", math.nan)
-    return Cell(f"{one.covering} of {one.intervals}", one.covering / one.intervals)
+    return Cell(f"{row['cover']} of {row['stated']}", row["cover"] / row["stated"])
 
 
-def _status(one: MethodScore) -> Cell:
-    text = ", ".join(
-        f"{count} {status.replace('_', ' ')}"
-        for status in NOT_CONVERGED
-        if (count := one.statuses[status])
-    )
-    tone: Tone = "good"
-    if one.statuses["failed"]:
-        tone = "bad"
-    elif one.statuses["doubtful"] or one.statuses["budget_exhausted"]:
-        tone = "warn"
-    elif one.statuses["unsupported"]:
-        tone = "quiet"
-    elif one.statuses["unchecked"]:
-        tone = ""
-    return Cell(text or "converged", tone=tone)
+def _status(row: dict[Any, Any]) -> Cell:
+    """Return how often each status occurs, in the tone of the worst."""
+    occurring = [status for status in _STATUSES if row[status]]
+    listed = [f"{row[one]} {one.replace('_', ' ')}" for one in occurring if one != "converged"]
+    return Cell(", ".join(listed) or "converged", tone=_STATUSES[occurring[0]][1])

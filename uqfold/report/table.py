@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from uqfold.comparison.frames import checked_frame
@@ -24,12 +23,12 @@ from uqfold.plots.wording import (
     count_text,
     criterion_key,
     criterion_text,
-    finite,
     percent,
     reference_resolution,
     scientific,
     seconds_text,
 )
+from uqfold.report.scores import method_scores
 from uqfold.report.wording import UNCHECKED, remark, remarks
 
 if TYPE_CHECKING:
@@ -74,13 +73,14 @@ class ComparisonTable:
         from rich.text import Text
 
         header, rows = self.frame.attrs[HEADER], comparison_rows(self.frame)
-        notes = remarks(rows)
+        numbers = remarks(rows)
         yield Text(_title(header), "bold", overflow="fold")
         groups: dict[CriterionKey, list[Row]] = {}
         for row in rows:
             groups.setdefault(criterion_key(row), []).append(row)
         ordered = [row for group in groups.values() for row in group]
-        head, *lines = _lines(_answers(ordered, notes, console, options), console, options)
+        answers = (_answers(ordered, numbers, full, gap) for full, gap in _LAYOUTS)
+        head, *lines = _fitting(answers, console, options)
         yield ""
         yield head
         for group in groups.values():
@@ -88,19 +88,36 @@ class ComparisonTable:
             yield from _group_head(group[0], header["response_unit"], options.max_width)
             yield from (lines.pop(0) for _ in group)
         yield ""
-        yield from _lines(_methods(header, rows, console, options), console, options)
+        methods = (_methods(header, self.frame, titled) for titled in (True, False))
+        yield from _fitting(methods, console, options)
         yield ""
-        yield from noted(_legend(header, rows), options.max_width, "dim")
-        if notes:
+        yield from _noted(_legend(header, rows), options.max_width, "dim")
+        if numbers:
             yield ""
             said = {
                 f"{f'[{number}]':>6} ": said if said.startswith(label) else f"{label}: {said}"
-                for (label, said), number in notes.items()
+                for (label, said), number in numbers.items()
             }
-            yield from noted(said, options.max_width)
+            yield from _noted(said, options.max_width)
 
 
-def noted(notes: Mapping[str, str], width: int, style: str = "") -> Iterator[Text]:
+def _fitting(tables: Iterable[Table], console: Console, options: ConsoleOptions) -> list[Text]:
+    """Return the lines of the first table that fits, or else of the last, which get folded."""
+    from rich.text import Text
+
+    for table in tables:
+        width = console.measure(table, options=options.update(width=10_000)).maximum
+        if width <= options.max_width:
+            break
+    lines = []
+    for segments in console.render_lines(table, options.update(width=width), pad=False):
+        line = Text.assemble(*((one.text, one.style or "") for one in segments), overflow="fold")
+        line.rstrip()
+        lines.append(line)
+    return lines
+
+
+def _noted(notes: Mapping[str, str], width: int, style: str = "") -> Iterator[Text]:
     """Return texts behind prefixes, wrapped with further lines flush with the first."""
     from rich.text import Text
 
@@ -130,49 +147,22 @@ def _table(head: Sequence[str], words: Sequence[int], gap: int) -> Table:
     return table
 
 
-def _lines(table: Table, console: Console, options: ConsoleOptions) -> list[Text]:
-    """Return a table line by line; only a console narrower than it folds its lines."""
-    from rich.text import Text
-
-    wide = options.update(width=_width(table, console, options))
-    lines = []
-    for segments in console.render_lines(table, wide, pad=False):
-        line = Text.assemble(*((one.text, one.style or "") for one in segments), overflow="fold")
-        line.rstrip()
-        lines.append(line)
-    return lines
-
-
-def _width(table: Table, console: Console, options: ConsoleOptions) -> int:
-    return console.measure(table, options=options.update(width=10_000)).maximum
-
-
 def _answers(
-    rows: Sequence[Row],
-    notes: Mapping[tuple[str, str], int],
-    console: Console,
-    options: ConsoleOptions,
+    rows: Sequence[Row], numbers: Mapping[tuple[str, str], int], full: bool, gap: int
 ) -> Table:
-    """Return the most generous table of all rows that fits, or the tightest."""
-    for full, gap in _LAYOUTS:
-        interval, evals = (
-            ("interval or error kind", "evaluations") if full else ("interval", "evals")
-        )
-        head = ["  method", "pf", interval, "error", evals, "time", "status"]
-        table = _table(head, (0, 2, 6), gap)
-        for row in rows:
-            table.add_row(*_cells(row, notes, full))
-        if _width(table, console, options) <= options.max_width:
-            break
+    interval, evals = ("interval or error kind", "evaluations") if full else ("interval", "evals")
+    table = _table(["  method", "pf", interval, "error", evals, "time", "status"], (0, 2, 6), gap)
+    for row in rows:
+        table.add_row(*_cells(row, numbers, full))
     return table
 
 
-def _cells(row: Row, notes: Mapping[tuple[str, str], int], full: bool) -> list[Text]:
+def _cells(row: Row, numbers: Mapping[tuple[str, str], int], full: bool) -> list[Text]:
     from rich.text import Text
 
     status = str(row["status"])
     shown = status if full else _SHORT_STATUS.get(status, status)
-    number = notes.get((row["label"], remark(row)))
+    number = numbers.get((row["label"], remark(row)))
     within = "~" if row["error"] <= reference_resolution(row) else ""
     # what a method refuses costs nothing
     evals = NO_VALUE if status == "unsupported" else count_text(row["n_evals_row"], short=not full)
@@ -213,31 +203,24 @@ def _group_head(row: Row, unit: str, width: int) -> Iterator[Text]:
     yield from (head.append_text(behind),) if fits else (head, behind)
 
 
-def _methods(
-    header: Mapping[str, Any], rows: Sequence[Row], console: Console, options: ConsoleOptions
-) -> Table:
+def _methods(header: Mapping[str, Any], frame: pd.DataFrame, titled: bool) -> Table:
     """Return one line per method: how much it answered, how well, and at what cost."""
     from rich.text import Text
 
-    titles = {entry["label"]: entry["title"] for entry in header["methods"]}
+    titles = {entry["label"]: entry["title"] for entry in header["methods"] if titled}
     head = ["  whole run", "answered", "median error", "largest", "evaluations", "time"]
-    for more in ([""], []):
-        table = _table([*head, *more], (0, 6), 2)
-        for label in dict.fromkeys(row["label"] for row in rows):
-            own = [row for row in rows if row["label"] == label]
-            errors = finite(row["error"] for row in own)
-            cells = [
-                f"  {label}",
-                f"{sum(not math.isnan(row['pf']) for row in own)} of {len(own)}",
-                percent(median(errors)) if errors else NO_VALUE,
-                percent(max(errors)) if errors else NO_VALUE,
-                count_text(own[0]["n_evals"]),
-                seconds_text(own[0]["seconds"]),
-                *(titles.get(label, "") for _ in more),
-            ]
-            table.add_row(*map(Text, cells))
-        if _width(table, console, options) <= options.max_width:
-            break
+    table = _table([*head, *([""] if titled else [])], (0, 6), 2)
+    for label, score in method_scores(frame).to_dict("index").items():
+        cells = [
+            f"  {label}",
+            f"{score['answered']} of {score['asked']}",
+            percent(score["median_error"]),
+            percent(score["largest_error"]),
+            count_text(score["n_evals"]),
+            seconds_text(score["seconds"]),
+            titles.get(label, ""),
+        ]
+        table.add_row(*map(Text, cells[: len(table.columns)]))
     return table
 
 
