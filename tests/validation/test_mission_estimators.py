@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable
+from functools import partial
 from types import ModuleType
 
 import numpy as np
@@ -96,38 +97,32 @@ def test_a_rare_early_response_is_not_lost_to_rounding(script: Script) -> None:
     assert found.item() == pytest.approx(1e-25, rel=1e-12)
 
 
-def test_late_shares_are_weighted_counts(script: Script) -> None:
-    times = np.array([[[3.0, 1.0, 2.0], [np.inf, 2.0, 2.0]]])
-    found = script("mission_estimators").late_shares(times, WEIGHTS, np.array([0.0, 1.0, 2.0, 3.0]))
-    expected = [[[1.0, 0.7, 0.5, 0.0], [1.0, 1.0, 0.5, 0.5]]]
+def test_missions_of_one_unit_are_weighted_counts_of_late_responses(script: Script) -> None:
+    times = np.array([[[[3.0, 1.0, 2.0]], [[np.inf, 2.0, 2.0]]]])
+    found = script("mission_estimators").mission_failures(
+        times, WEIGHTS, np.array([0.0, 1.0, 2.0, 3.0]), np.array([np.inf])
+    )
+    expected = [[[[1.0, 0.7, 0.5, 0.0]], [[1.0, 1.0, 0.5, 0.5]]]]
     np.testing.assert_allclose(found, expected, rtol=1e-15)
 
 
 @pytest.mark.parametrize("tau", [None, 1.0])
 def test_all_missions_of_the_pool_count_exactly(script: Script, tau: float | None) -> None:
     # with as many missions as there are, one failed mission fails the profile in any arrangement
-    grid = script("mission_estimators").MissionGrid(
-        thresholds=(2.0,), taus=(tau,), profiles=(2,), missions=2, units=2
-    )
+    grid = script("tables").Grid(thresholds=(2.0,), taus=(tau,), profiles=(2,), units=2)
+    estimate = partial(script("mission_estimators").estimate, grid)
     rng = np.random.default_rng(0)
     alone = np.ones(1)
-    assert grid.estimate(np.ones((1, 4, 1)), alone, rng)[0, 0, 0] == 0.0
-    assert grid.estimate(np.array([[[1.0], [1.0], [1.0], [3.0]]]), alone, rng)[0, 0, 0] == 1.0
+    assert estimate(np.ones((1, 4, 1)), alone, rng)[0, 0, 0] == 0.0
+    assert estimate(np.array([[[1.0], [1.0], [1.0], [3.0]]]), alone, rng)[0, 0, 0] == 1.0
 
 
-def test_bad_times_and_profiles_are_refused(script: Script) -> None:
-    MissionGrid = script("mission_estimators").MissionGrid
-    grid = MissionGrid(thresholds=(1.0,), taus=(None,), profiles=(1,))
-    rng = np.random.default_rng(0)
-    with pytest.raises(ValueError, match=r"shape \(3, 4, 3\), not \(n, 40, 3\)"):
-        grid.estimate(np.ones((3, 4, 3)), WEIGHTS, rng)
-    times = np.ones((3, 40, 3))
+def test_failed_runs_are_refused(script: Script) -> None:
+    grid = script("tables").Grid(thresholds=(1.0,), taus=(None,), profiles=(1,))
+    times = np.ones((3, 4, 3))
     times[1, 2, 1] = np.nan
     with pytest.raises(ValueError, match="NaN"):
-        grid.estimate(times, WEIGHTS, rng)
-    for profile in (11, Binomial(11, 0.5)):
-        with pytest.raises(ValueError, match="10 missions are too few"):
-            MissionGrid(thresholds=(1.0,), taus=(None,), profiles=(profile,))
+        script("mission_estimators").estimate(grid, times, WEIGHTS, np.random.default_rng(0))
 
 
 # A linear-normal system, y = 0.6 v + 0.8 e with e made of two inputs; the strata lie askew
@@ -145,10 +140,9 @@ def stand_in() -> Problem:
     )
 
 
-class LinearNormal:
-    def distribution(self, t, u, resolution):
-        e = stats.norm(SHARED * u, OWN)
-        return e.cdf(t), e.sf(t), e.pdf(t)
+def linear_normal(t, u, rules):
+    e = stats.norm(SHARED * u, OWN)
+    return e.cdf(t), e.sf(t), e.pdf(t)
 
 
 def in_standard_errors(estimates: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -161,17 +155,13 @@ def in_standard_errors(estimates: np.ndarray, exact: np.ndarray) -> np.ndarray:
 def linear_normal_scores(script: Script, edges: tuple[float, ...]) -> np.ndarray:
     """Differences from the exact answers, in standard errors."""
     s = script("order_statistics")
-    what = {"thresholds": (0.5, 1.5, 2.5), "taus": (None, 2.0, 3.0), "profiles": PROFILES}
-    grid = s.Grid(start=-14.0, width=0.5, n_units=4, **what)
-    resolution = s.Resolution(reach=9.0, shared_step=0.25, individual_step=1.0, panel_nodes=8)
-    exact = s.integrate(LinearNormal(), grid, resolution)
+    grid = script("tables").Grid(
+        thresholds=(0.5, 1.5, 2.5), taus=(None, 2.0, 3.0), profiles=PROFILES
+    )
+    rules = s.Rules(start=-14.0, width=0.5, panel_nodes=8, reach=9.0, shared_step=0.25)
+    exact = s.integrate(linear_normal, grid, rules)
     estimates = script("folding_wing").simulate(
-        stand_in(),
-        script("mission_estimators").MissionGrid(**what),
-        blocks=40,
-        seed=7,
-        draws=64 if not edges else 16,
-        strata=script("stratified_draws").Strata(edges),
+        stand_in(), grid, blocks=40, seed=7, draws=64 if not edges else 16, strata=edges
     )
     return in_standard_errors(estimates, exact).ravel()
 
@@ -179,11 +169,11 @@ def linear_normal_scores(script: Script, edges: tuple[float, ...]) -> np.ndarray
 def series_scores(script: Script, edges: tuple[float, ...]) -> np.ndarray:
     """The same for Example 1, whose answers are known down to 3e-7."""
     problem = uqfold.problems.series()
-    grid = script("mission_estimators").MissionGrid(
+    grid = script("tables").Grid(
         thresholds=(-1.0, 2.0, 4.0, 6.0, 8.0), taus=(None, 12.0, 20.0), profiles=PROFILES
     )
     estimates = script("folding_wing").simulate(
-        problem, grid, blocks=40, seed=7, draws=16, strata=script("stratified_draws").Strata(edges)
+        problem, grid, blocks=40, seed=7, draws=16, strata=edges
     )
     assert problem.references is not None
     entries = [
@@ -227,11 +217,11 @@ def test_the_same_check_catches_powers_of_estimated_probabilities(
 def test_the_same_check_catches_weights_of_other_strata(
     script: Script, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    strata = script("stratified_draws").Strata
-    right = strata.probabilities.fget
+    wing = script("folding_wing")
+    right = wing.probabilities
 
-    def shifted(self) -> np.ndarray:
-        return right(strata(tuple(edge + 0.05 for edge in self.edges)))
+    def shifted(edges: tuple[float, ...]) -> np.ndarray:
+        return right([edge + 0.05 for edge in edges])
 
-    monkeypatch.setattr(strata, "probabilities", property(shifted))
+    monkeypatch.setattr(wing, "probabilities", shifted)
     assert np.abs(series_scores(script, STRATA)).max() > 2 * LIMIT

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -12,37 +13,32 @@ import pytest
 from scipy import integrate, stats
 
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.problems.reference import ReferenceTable, load_references, parse_references
+from uqfold.problems.reference import Reference, ReferenceTable, load_references, parse_references
 
 Script = Callable[[str], ModuleType]
 
 
-class Exponential:
+def exponential(t, u, rules):
     """A unit with the exponential distribution, whatever the shared variable."""
-
-    def distribution(self, t, u, resolution):
-        return -np.expm1(-t), np.exp(-t), np.exp(-t)
+    return -np.expm1(-t), np.exp(-t), np.exp(-t)
 
 
-class LinearNormal:
+def linear_normal(a: float, b: float) -> Callable:
     """A unit y = a u + b e with standard normal u (shared) and e."""
 
-    def __init__(self, a: float, b: float) -> None:
-        self.a, self.b = a, b
-
-    def distribution(self, t, u, resolution):
-        e = stats.norm(self.a * u, self.b)
+    def unit(t, u, rules):
+        e = stats.norm(a * u, b)
         return e.cdf(t), e.sf(t), e.pdf(t)
+
+    return unit
 
 
 def test_range_of_exponential_units_is_known(script: Script) -> None:
     # for n exponential units P(max - min <= tau) = (1 - exp(-tau))^(n - 1), and n = 4
     s = script("order_statistics")
-    grid = s.Grid(
-        start=0.0, width=0.5, thresholds=(60.0,), taus=(1.0, 4.0, 16.0), profiles=(1,), n_units=4
-    )
-    resolution = s.Resolution(reach=9.0, shared_step=0.5, individual_step=1.0, panel_nodes=8)
-    pf = s.integrate(Exponential(), grid, resolution)[:, 0, 0]
+    grid = script("tables").Grid(thresholds=(60.0,), taus=(1.0, 4.0, 16.0), profiles=(1,))
+    rules = s.Rules(start=0.0, width=0.5, panel_nodes=8, reach=9.0, shared_step=0.5)
+    pf = s.integrate(exponential, grid, rules)[:, 0, 0]
     tau = np.array(grid.taus)
     np.testing.assert_allclose(pf, -np.expm1(3 * np.log1p(-np.exp(-tau))), rtol=1e-12)
 
@@ -50,16 +46,14 @@ def test_range_of_exponential_units_is_known(script: Script) -> None:
 def test_threshold_and_tau_against_adaptive_integration(script: Script) -> None:
     s = script("order_statistics")
     a, b, threshold, tau, missions = 0.6, 0.8, 2.0, 2.5, 3
-    grid = s.Grid(
-        start=-14.0,
-        width=0.5,
+    grid = script("tables").Grid(
         thresholds=(threshold,),
         taus=(None, tau),
         profiles=(missions, Binomial(4, 0.7)),
-        n_units=3,
+        units=3,
     )
-    resolution = s.Resolution(reach=9.0, shared_step=0.25, individual_step=1.0, panel_nodes=8)
-    pf = s.integrate(LinearNormal(a, b), grid, resolution)[:, :, 0]
+    rules = s.Rules(start=-14.0, width=0.5, panel_nodes=8, reach=9.0, shared_step=0.25)
+    pf = s.integrate(linear_normal(a, b), grid, rules)[:, :, 0]
 
     def works(u: float, tau: float) -> float:
         # from the smallest response, unlike the script
@@ -86,25 +80,29 @@ def test_threshold_and_tau_against_adaptive_integration(script: Script) -> None:
 def test_deep_tails_keep_their_digits(script: Script) -> None:
     s = script("order_statistics")
     thresholds = (4.0, 6.0, 8.0, 10.0)
-    grid = s.Grid(
-        start=-14.0,
-        width=0.5,
-        thresholds=thresholds,
-        taus=(None, 20.0),
-        profiles=(1,),
-        n_units=1,
-    )
-    resolution = s.Resolution(reach=12.0, shared_step=0.2, individual_step=1.0, panel_nodes=8)
-    pf = s.integrate(LinearNormal(0.6, 0.8), grid, resolution)[:, 0]
+    grid = script("tables").Grid(thresholds=thresholds, taus=(None, 20.0), profiles=(1,), units=1)
+    rules = s.Rules(start=-14.0, width=0.5, panel_nodes=8, reach=12.0, shared_step=0.2)
+    pf = s.integrate(linear_normal(0.6, 0.8), grid, rules)[:, 0]
     # one unit: y is standard normal, and tau cannot matter
     np.testing.assert_allclose(pf, np.tile(stats.norm.sf(thresholds), (2, 1)), rtol=1e-9)
 
 
-def test_grid_refuses_what_is_no_multiple_of_its_panels(script: Script) -> None:
-    s = script("order_statistics")
-    grid = s.Grid(start=0.0, width=0.5, thresholds=(1.25,), taus=(None,), profiles=(1,), n_units=2)
+def test_rules_refuse_what_is_no_multiple_of_their_panels(script: Script) -> None:
+    rules = script("order_statistics").Rules(0.0, 0.5, 4, 9.0, 0.5)
+    assert rules.panels(1.5) == 3
     with pytest.raises(ValueError, match=r"1.25 is no multiple of the panel width 0.5"):
-        _ = grid.edges
+        rules.panels(1.25)
+
+
+def test_a_bound_on_the_last_variable_gives_the_distribution(script: Script) -> None:
+    # y = 2 (v + e): given nodes over v, e is at most t / 2 - v
+    s = script("order_statistics")
+    v, weights = s.standard_normal_rule(9.0, 0.25)
+    t = np.array([-3.0, 0.5, 12.0])
+    found = s.below_bound(t[:, None] / 2.0 - v, np.full((3, v.size), 0.5), weights)
+    exact = stats.norm(scale=2.0 * math.sqrt(2.0))
+    for values, expected in zip(found, (exact.cdf(t), exact.sf(t), exact.pdf(t)), strict=True):
+        np.testing.assert_allclose(values, expected, rtol=1e-12)
 
 
 PROFILES = (1, 10, Binomial(10, 0.7))
@@ -133,21 +131,18 @@ def recomputed(script: Script, name: str) -> ReferenceTable:
     s = script("order_statistics")
     if name == "series":
         module = script("series")
-        unit, grid = module.SeriesUnit(), module.GRID
-        resolutions = (
-            s.Resolution(reach=8.0, shared_step=0.45, individual_step=0.05, panel_nodes=4),
-            s.Resolution(reach=8.5, shared_step=0.35, individual_step=0.035, panel_nodes=5),
-        )
+        unit, grid, fine = module.unit, module.GRID, module.FINE
+        coarse = replace(fine, panel_nodes=4, reach=8.0, shared_step=0.45, individual_step=0.05)
+        fine = replace(fine, panel_nodes=5, reach=8.5, shared_step=0.35, individual_step=0.035)
     else:
         module = script("four_bar")
         branch = "crossed" if name == "four_bar_crossed" else "open"
-        unit, grid = module.FourBarUnit(branch), module.GRIDS[branch]
-        resolutions = (
-            s.Resolution(reach=8.0, shared_step=0.6, individual_step=0.7, panel_nodes=4),
-            s.Resolution(reach=8.5, shared_step=0.5, individual_step=0.5, panel_nodes=4),
-        )
-    rows = s.rows(unit, replace(grid, **SMALLER[name]), *resolutions)
-    text = script("tables").as_text(name, "integration", "", "", rows)
+        unit, grid = partial(module.unit, branch), module.GRIDS[branch]
+        fine = replace(module.FINE, start=module.START[branch], panel_nodes=4)
+        coarse = replace(fine, reach=8.0, shared_step=0.6, individual_step=0.7)
+        fine = replace(fine, reach=8.5, shared_step=0.5, individual_step=0.5)
+    found = s.references(unit, replace(grid, **SMALLER[name]), coarse, fine)
+    text = script("tables").as_text(name, "integration", "", "", found)
     return parse_references(json.loads(text))
 
 
@@ -178,32 +173,35 @@ def test_check_passes_on_equal_and_fails_on_different_files(
     script: Script, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     tables = script("tables")
-    rows = [tables.Row(1.0, None, 1, 0.25, 1e-9), tables.Row(2.0, 0.5, Binomial(4, 0.5), 1e-9, 0.0)]
+    rows = [
+        Reference(Criterion(1.0), 0.25, 1e-9),
+        Reference(Criterion(2.0, 0.5, Binomial(4, 0.5)), 1e-9, 0.0),
+    ]
 
     def command(table: list, *arguments: str) -> int:
         text = tables.as_text("a", "integration", "how", "command", table)
         return tables.integration_command(
-            "", [("a.json", lambda: text)], ["--out", str(tmp_path), *arguments]
+            "", {"a.json": lambda: text}, ["--out", str(tmp_path), *arguments]
         )
 
-    assert command(rows, "--check") == 1
-    assert "missing" in capsys.readouterr().err
+    with pytest.raises(FileNotFoundError):
+        command(rows, "--check")
     assert command(rows) == 0
     before = (tmp_path / "a.json").read_bytes()
     assert command(rows, "--check") == 0
     assert command([replace(rows[0], pf=0.25 + 1.5e-9), rows[1]], "--check") == 0
     assert command([replace(rows[0], pf=0.25 + 3e-9), rows[1]], "--check") == 1
-    assert "shipped 0.25, computed 0.250000003" in capsys.readouterr().err
+    assert "shipped 0.25, computed 0.250000003" in capsys.readouterr().out
     assert command(rows[:1], "--check") == 1
-    assert command([*rows, tables.Row(3.0, None, 1, 0.1, 0.0)], "--check") == 1
+    assert command([*rows, Reference(Criterion(3.0), 0.1, 0.0)], "--check") == 1
     assert (tmp_path / "a.json").read_bytes() == before
 
 
 def test_file_has_one_row_per_line_and_13_digits(script: Script) -> None:
     tables = script("tables")
     rows = [
-        tables.Row(0.5475, None, 1, 1 / 3, 2.341e-7),
-        tables.Row(-1.0, 0.04, Binomial(10, 0.7), 1.23456789e-12, 0.0),
+        Reference(Criterion(0.5475), 1 / 3, 2.341e-7),
+        Reference(Criterion(-1.0, 0.04, Binomial(10, 0.7)), 1.23456789e-12, 0.0),
     ]
     text = tables.as_text("p", "integration", "how", "command", rows)
     assert text.splitlines()[-4:-2] == [
@@ -224,19 +222,3 @@ def test_file_has_one_row_per_line_and_13_digits(script: Script) -> None:
 )
 def test_errors_are_rounded_up(script: Script, value: float, expected: float) -> None:
     assert script("tables").rounded_up(value) == pytest.approx(expected, rel=1e-12)
-
-
-def test_an_interrupted_write_leaves_the_former_file(
-    script: Script, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    tables = script("tables")
-    path = tmp_path / "a.json"
-    tables.write(path, "former")
-
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("uqfold.writing.os.replace", stopped)
-    with pytest.raises(KeyboardInterrupt):
-        tables.write(path, "new")
-    assert path.read_text() == "former"

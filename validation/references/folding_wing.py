@@ -1,10 +1,13 @@
 """References of Example 3 (section 4.3, Table 6) by simulation of the real mechanism.
 
 Work comes in blocks of fixed size with random streams of their own. A block has 128 draws of the
-shared inputs, and for each of them 40 replicates of a unit that is stratified along the direction
-in which its deployment time rises most (`stratified_draws.py`); `mission_estimators.py` turns them
-into estimates without bias, from the body of the distribution far into its tail. The standard error
-comes from the spread of the block means.
+shared inputs, and for each of them 40 replicates of a unit. The deployment time changes mostly
+along one direction of a unit's own inputs; the standard-normal coordinate in that direction is cut
+into strata, far into both tails. A replicate is one deployment out of each stratum, weighted with
+its probability: its weighted shares estimate the distribution of one unit without bias, wherever
+the direction points and however the model behaves. The direction, taken from the low-fidelity
+partner, only says where errors get small. `mission_estimators.py` turns replicates into estimates
+without bias, and the standard error comes from the spread of the block means.
 
 All deployments are kept in a store, so that a run that was stopped or killed is continued by the
 same command, with more blocks if wanted.
@@ -20,21 +23,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mission_estimators import MissionGrid
-from stratified_draws import Strata, block_inputs, steepest_direction
-from tables import BINOMIAL_PROFILES, SHIPPED, Row, as_text, write
+from mission_estimators import estimate, missions_of
+from scipy.special import ndtr, ndtri
+from scipy.stats.qmc import Sobol
+from tables import BINOMIAL_PROFILES, SHIPPED, Grid, as_text
 
 from uqfold.evaluation import Evaluator
+from uqfold.inputs import JointInputs
 from uqfold.problems import Problem, folding_wing
-from uqfold.typing import FloatArray
+from uqfold.problems.reference import Reference
+from uqfold.typing import FloatArray, Model
+from uqfold.writing import write_text
 
-GRID = MissionGrid(
+GRID = Grid(
     thresholds=tuple(round(0.53 + 0.0025 * i, 4) for i in range(29)),
     taus=(None, 0.02, 0.025, 0.03, 0.035, 0.04, 0.045, 0.05, 0.06),
     profiles=(1, 2, 5, 8, 10, *BINOMIAL_PROFILES),
 )
 # the deployment time is nearly linear in this variable: its 5.6 standard deviations are 0.592 s
-STRATA = Strata(tuple(round(0.7 * i, 1) for i in range(-5, 9)))
+STRATA = tuple(round(0.7 * i, 1) for i in range(-5, 9))
+"""Edges between the strata."""
 SHARED_DRAWS = 128
 SEED = 20261
 LARGEST_RELATIVE_ERROR = 0.3
@@ -43,12 +51,12 @@ DEFAULT_STORE = Path("uqfold-results") / "folding-wing-reference.db"
 
 def simulate(
     problem: Problem,
-    grid: MissionGrid,
+    grid: Grid,
     *,
     blocks: int,
     seed: int = SEED,
     draws: int = SHARED_DRAWS,
-    strata: Strata = STRATA,
+    strata: Sequence[float] = STRATA,
     evaluator: Evaluator | None = None,
 ) -> FloatArray:
     """Return the estimates of blocks 0 ... `blocks` - 1: an array (blocks, *grid.shape).
@@ -69,54 +77,126 @@ def simulate(
     """
     inputs = problem.inputs
     direction = steepest_direction(problem.low_fidelity or problem.model, inputs)
-    shape = (draws, grid.replicates, strata.count)
+    replicates = missions_of(grid) * grid.units
 
     def generator(block: int, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(block, purpose)))
 
     def drawn(block: int) -> FloatArray:
-        rng = generator(block, 0)
-        return block_inputs(inputs, direction, strata, rng, draws, grid.replicates)
+        return block_inputs(inputs, direction, strata, generator(block, 0), draws, replicates)
 
-    settings = evaluator or Evaluator(failed_runs="raise")
-    session = settings.open(problem, None)
-    responses = session.stream(drawn(block) for block in range(blocks))
-    return np.array(
-        [
-            grid.estimate(y.reshape(shape), strata.probabilities, generator(block, 1))
-            for block, y in enumerate(responses)
-        ]
-    )
+    session = (evaluator or Evaluator(failed_runs="raise")).open(problem, None)
+    estimates = []
+    for block, y in enumerate(session.stream(drawn(block) for block in range(blocks))):
+        times = y.reshape(draws, replicates, -1)
+        estimates.append(estimate(grid, times, probabilities(strata), generator(block, 1)))
+    return np.array(estimates)
 
 
-def known_rows(grid: MissionGrid, estimates: FloatArray) -> list[Row]:
-    """Return the rows whose relative standard error is small enough to call them known."""
-    mean = estimates.mean(axis=0)
+def ends(strata: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the probabilities beyond both ends of each of the L strata, in its nearer tail.
+
+    Parameters
+    ----------
+    strata
+        Edges between the strata of a standard-normal variable, ascending.
+
+    Returns
+    -------
+    tuple
+        Sign (L,) of the variable, -1 where the upper tail is the nearer one; distribution function
+        of the variable of that sign at the left and at the right end.
+    """
+    edges = np.array([-np.inf, *strata, np.inf])
+    sign = np.where(edges[:-1] >= 0.0, -1.0, 1.0)
+    return sign, ndtr(sign * edges[:-1]), ndtr(sign * edges[1:])
+
+
+def probabilities(strata: Sequence[float]) -> FloatArray:
+    """Return the probability (L,) of each stratum, exact in both tails."""
+    _, left, right = ends(strata)
+    return np.abs(right - left)
+
+
+def steepest_direction(model: Model, inputs: JointInputs) -> FloatArray:
+    """Return the direction (n_individual,) in which the response rises most, at the medians."""
+    step = 0.01
+    here = np.zeros((2 * inputs.n_individual, inputs.dimension))
+    here[:, inputs.n_shared :] = np.repeat(step * np.eye(inputs.n_individual), 2, axis=0)
+    here[1::2] *= -1.0
+    y = model(inputs.from_standard_normal(here))
+    gradient = y[::2] - y[1::2]
+    direction: FloatArray = gradient / np.linalg.norm(gradient)
+    return direction
+
+
+def block_inputs(
+    inputs: JointInputs,
+    direction: FloatArray,
+    strata: Sequence[float],
+    rng: np.random.Generator,
+    draws: int,
+    replicates: int,
+) -> FloatArray:
+    """Draw the inputs of one block.
+
+    The shared draws are a scrambled Sobol sequence, each of them uniform, so that the mean over a
+    block has no bias.
+
+    Parameters
+    ----------
+    inputs
+        Shared and individual inputs.
+    direction
+        Unit vector (n_individual,).
+    strata
+        Edges of the L strata along it.
+    rng
+        Stream of this block.
+    draws, replicates
+        Shared draws (a power of 2), and replicates of each.
+
+    Returns
+    -------
+    FloatArray
+        X (draws * replicates * L, d), the strata running fastest.
+    """
+    levels = Sobol(inputs.n_shared, scramble=True, rng=rng).random(draws)
+    sign, left, right = ends(strata)
+    along = left + (right - left) * (1.0 - rng.random((draws * replicates, sign.size)))
+    # rounding may reach 0
+    z = sign * ndtri(np.maximum(along, np.finfo(np.float64).tiny))
+    own = rng.standard_normal((z.size, inputs.n_individual))
+    own += (z.reshape(-1, 1) - own @ direction[:, None]) * direction
+    shared = ndtri(np.maximum(levels, np.finfo(np.float64).tiny))
+    repeated = np.repeat(shared, z.size // draws, axis=0)
+    return inputs.from_standard_normal(np.column_stack([repeated, own]))
+
+
+def known(grid: Grid, estimates: FloatArray) -> list[Reference]:
+    """Return the answers whose relative standard error is small enough to call them known."""
     error = estimates.std(axis=0, ddof=1) / np.sqrt(len(estimates))
-    known = (mean > 0.0) & (error <= LARGEST_RELATIVE_ERROR * mean)
     return [
-        Row(threshold, tau, profile, float(mean[i, j, k]), float(error[i, j, k]))
-        for i, tau in enumerate(grid.taus)
-        for j, profile in enumerate(grid.profiles)
-        for k, threshold in enumerate(grid.thresholds)
-        if known[i, j, k]
+        one
+        for one in grid.references(estimates.mean(axis=0), error)
+        if one.pf > 0.0 and one.std_error <= LARGEST_RELATIVE_ERROR * one.pf
     ]
 
 
-def document(grid: MissionGrid, estimates: FloatArray, seed: int) -> str:
+def document(grid: Grid, estimates: FloatArray, seed: int) -> str:
     """Return the text of ``folding_wing.json``."""
-    blocks = len(estimates)
-    deployments = blocks * SHARED_DRAWS * grid.replicates * STRATA.count
+    blocks, replicates = len(estimates), missions_of(grid) * grid.units
     how = (
-        f"Simulation of the mechanism, {deployments} deployments: {blocks} blocks of "
-        f"{SHARED_DRAWS} shared draws (scrambled Sobol), each with {grid.replicates} replicates of "
-        f"a wing in {STRATA.count} strata along the gradient of the deployment time with ideal "
+        f"Simulation of the mechanism, {blocks * SHARED_DRAWS * replicates * (len(STRATA) + 1)} "
+        f"deployments: {blocks} blocks of "
+        f"{SHARED_DRAWS} shared draws (scrambled Sobol), each with {replicates} replicates of "
+        f"a wing in {len(STRATA) + 1} strata along the gradient of the deployment time with ideal "
         "joints; estimators without bias given the shared draw. The error is the standard error "
         f"from the spread of the block means; rows where it exceeds {LARGEST_RELATIVE_ERROR:.0%} "
         "of pf are left out."
     )
     command = f"python validation/references/folding_wing.py --blocks {blocks} --seed {seed}"
-    return as_text("folding-wing", "simulation", how, command, known_rows(grid, estimates))
+    return as_text("folding-wing", "simulation", how, command, known(grid, estimates))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -136,7 +216,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     estimates = simulate(
         folding_wing(), GRID, blocks=options.blocks, seed=options.seed, evaluator=evaluator
     )
-    write(options.out, document(GRID, estimates, options.seed))
+    write_text(options.out, document(GRID, estimates, options.seed))
 
 
 if __name__ == "__main__":

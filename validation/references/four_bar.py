@@ -14,14 +14,13 @@ ground. What follows for the system is in `order_statistics.py`.
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
-from order_statistics import Grid, Resolution, rows, standard_normal_rule
-from scipy.special import ndtr
-from tables import BINOMIAL_PROFILES, as_text, integration_command
+from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
+from tables import BINOMIAL_PROFILES, Grid, as_text, integration_command
 
 from uqfold.typing import FloatArray
 
@@ -34,27 +33,21 @@ ROCKER = (66.5, 1.0)
 GROUND = (122.0, 1.0)
 THETA = np.deg2rad(100.5)
 
-PROFILES = (1, 2, 3, 5, 8, 10, *BINOMIAL_PROFILES)
+OPEN = Grid(
+    thresholds=np.arange(98.0, 107.25, 0.25).tolist(),
+    taus=(None, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+    profiles=(1, 2, 3, 5, 8, 10, *BINOMIAL_PROFILES),
+    units=2,
+)
 GRIDS: dict[Branch, Grid] = {
-    "open": Grid(
-        start=88.0,
-        width=0.25,
-        thresholds=np.arange(98.0, 107.25, 0.25).tolist(),
-        taus=(None, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
-        profiles=PROFILES,
-        n_units=2,
-    ),
-    "crossed": Grid(
-        start=-156.0,
-        width=0.25,
-        thresholds=np.arange(-144.0, -133.5, 0.5).tolist(),
-        taus=(None, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
-        profiles=PROFILES,
-        n_units=2,
-    ),
+    "open": OPEN,
+    "crossed": replace(OPEN, thresholds=np.arange(-144.0, -133.5, 0.5).tolist()),
 }
-COARSE = Resolution(reach=9.0, shared_step=0.375, individual_step=0.5, panel_nodes=4)
-FINE = Resolution(reach=9.6, shared_step=0.3, individual_step=0.4, panel_nodes=6)
+START: dict[Branch, float] = {"open": 88.0, "crossed": -156.0}
+FINE = Rules(
+    start=START["open"], width=0.25, panel_nodes=6, reach=9.6, shared_step=0.3, individual_step=0.4
+)
+COARSE = replace(FINE, panel_nodes=4, reach=9.0, shared_step=0.375, individual_step=0.5)
 HOW = (
     "Integration without sampling: distribution of one rocker angle (deg) given the crank by "
     "trapezoidal rules over rocker and ground, exact in the coupler; order-statistics integral "
@@ -64,52 +57,41 @@ HOW = (
 COMMAND = "python validation/references/four_bar.py"
 
 
-@dataclass(frozen=True)
-class FourBarUnit:
-    """One loop of Example 2 given the crank."""
-
-    branch: Branch
-
-    def distribution(
-        self, t: FloatArray, u: float, resolution: Resolution
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give H, 1 - H and h (1/deg) at angles t (deg), given the crank's standardised length."""
-        v, w = standard_normal_rule(resolution.reach, resolution.individual_step)
-        rocker = np.repeat(ROCKER[0] + ROCKER[1] * v, v.size)
-        ground = np.tile(GROUND[0] + GROUND[1] * v, v.size)
-        weights = np.outer(w, w).ravel()
-        crank = CRANK[0] + CRANK[1] * u
-        # crank pin seen from the rocker's pivot: distance and direction
-        x, y = crank * np.cos(THETA) - ground, crank * np.sin(THETA)
-        distance, direction = np.hypot(x, y), np.arctan2(y, x)
-        # the angle between rocker and that line: below the line on the open branch, above it on
-        # the crossed one, where phi is reported as phi - 360 deg
-        sign = -1.0 if self.branch == "open" else 1.0
-        turn = 0.0 if self.branch == "open" else 2.0 * np.pi
-        angle = sign * (np.deg2rad(t)[:, None] + turn - direction)
-        if not (np.all(angle > 0.0) and np.all(angle < np.pi)):
-            raise ValueError("an angle of the grid lies beyond the reach of the linkage")
-        coupler = np.sqrt(
-            rocker * rocker + distance * distance - 2.0 * rocker * distance * np.cos(angle)
-        )
-        slope = rocker * distance * np.sin(angle) / coupler  # of the coupler along `angle`
-        # open: phi <= t  <=>  longer coupler; crossed: phi <= t  <=>  shorter coupler
-        z = sign * (coupler - COUPLER[0]) / COUPLER[1]
-        density = np.exp(-0.5 * z * z) * slope * np.deg2rad(1.0) / np.sqrt(2.0 * np.pi) / COUPLER[1]
-        return ndtr(z) @ weights, ndtr(-z) @ weights, density @ weights
+def unit(branch: Branch, t: FloatArray, u: float, rules: Rules) -> Distribution:
+    """Return the distribution of one angle (deg), given the crank's standardised length u."""
+    v, w = standard_normal_rule(rules.reach, rules.individual_step)
+    rocker = np.repeat(ROCKER[0] + ROCKER[1] * v, v.size)
+    ground = np.tile(GROUND[0] + GROUND[1] * v, v.size)
+    crank = CRANK[0] + CRANK[1] * u
+    # crank pin seen from the rocker's pivot: distance and direction
+    x, y = crank * np.cos(THETA) - ground, crank * np.sin(THETA)
+    distance, direction = np.hypot(x, y), np.arctan2(y, x)
+    # the angle between rocker and that line: below the line on the open branch, above it on
+    # the crossed one, where phi is reported as phi - 360 deg
+    sign, turn = (-1.0, 0.0) if branch == "open" else (1.0, 2.0 * np.pi)
+    angle = sign * (np.deg2rad(t)[:, None] + turn - direction)
+    if not (np.all(angle > 0.0) and np.all(angle < np.pi)):
+        raise ValueError("an angle of the grid lies beyond the reach of the linkage")
+    coupler = np.sqrt(
+        rocker * rocker + distance * distance - 2.0 * rocker * distance * np.cos(angle)
+    )
+    slope = rocker * distance * np.sin(angle) / coupler  # of the coupler along `angle`
+    # open: phi <= t  <=>  longer coupler; crossed: phi <= t  <=>  shorter coupler
+    z = sign * (coupler - COUPLER[0]) / COUPLER[1]
+    return below_bound(z, slope * np.deg2rad(1.0) / COUPLER[1], np.outer(w, w).ravel())
 
 
 def compute(branch: Branch) -> str:
-    """Give the text of the reference file of one branch."""
+    """Return the text of the reference file of one branch."""
     name = "four-bar" if branch == "open" else "four-bar-crossed"
-    table = rows(FourBarUnit(branch), GRIDS[branch], COARSE, FINE)
-    return as_text(name, "integration", HOW, COMMAND, table)
+    coarse, fine = (replace(rules, start=START[branch]) for rules in (COARSE, FINE))
+    found = references(partial(unit, branch), GRIDS[branch], coarse, fine)
+    return as_text(name, "integration", HOW, COMMAND, found)
 
-
-FILES = [
-    ("four_bar.json", partial(compute, "open")),
-    ("four_bar_crossed.json", partial(compute, "crossed")),
-]
 
 if __name__ == "__main__":
-    sys.exit(integration_command(__doc__, FILES))
+    files = {
+        "four_bar.json": partial(compute, "open"),
+        "four_bar_crossed.json": partial(compute, "crossed"),
+    }
+    sys.exit(integration_command(__doc__, files))

@@ -17,14 +17,16 @@ import math
 import sys
 
 import numpy as np
+from order_statistics import gauss_panels
 from scipy.special import ndtr
-from tables import Row, as_text, integration_command
+from tables import Grid, as_text, integration_command
 
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.problems.four_branch_system import DEFAULT_K
 
-THRESHOLDS = (LIMIT_STATE_THRESHOLD, 0.5, 1.0, 1.5, 2.0, 3.0)
-COARSE, FINE = 8, 16
+GRID = Grid(
+    thresholds=(LIMIT_STATE_THRESHOLD, 0.5, 1.0, 1.5, 2.0, 3.0), taus=(None,), profiles=(1,)
+)
 ROUNDING = 1e-13
 HOW = (
     "Integration without sampling in the coordinates along and across the branches: exact across, "
@@ -35,24 +37,23 @@ COMMAND = "python validation/references/four_branch.py"
 
 
 def failure_probability(threshold: float, panels: int) -> float:
-    """Give pf at a threshold on y = -g, with ten nodes in each panel."""
+    """Return pf at a threshold on y = -g, with ten nodes in each panel."""
     a = DEFAULT_K / 2.0 + threshold / math.sqrt(2.0)
-    nodes, weights = np.polynomial.legendre.leggauss(10)
-    half = 0.5 * a / panels
-    t = (half * (2.0 * np.arange(panels)[:, None] + 1.0 + nodes)).ravel()
+    t, weights = gauss_panels(0.0, a / panels, panels, 10)
     density = np.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi)
     inside = density * ndtr(-(3.0 + threshold + 0.2 * t * t))
-    return float(2.0 * ndtr(-a) + 4.0 * half * (np.tile(weights, panels) @ inside))
+    return float(2.0 * ndtr(-a) + 4.0 * (inside @ weights).sum())
 
 
 def compute() -> str:
-    """Give the text of ``four_branch.json``."""
-    rows = []
-    for threshold in THRESHOLDS:
-        pf, coarse = (failure_probability(threshold, panels) for panels in (FINE, COARSE))
-        rows.append(Row(threshold, None, 1, pf, abs(pf - coarse) + ROUNDING * pf))
-    return as_text("four-branch", "integration", HOW, COMMAND, rows)
+    """Return the text of ``four_branch.json``."""
+    coarse, pf = (
+        np.array([failure_probability(threshold, panels) for threshold in GRID.thresholds])
+        for panels in (8, 16)
+    )
+    found = GRID.references(pf, np.abs(pf - coarse) + ROUNDING * pf)
+    return as_text("four-branch", "integration", HOW, COMMAND, found)
 
 
 if __name__ == "__main__":
-    sys.exit(integration_command(__doc__, [("four_branch.json", compute)]))
+    sys.exit(integration_command(__doc__, {"four_branch.json": compute}))

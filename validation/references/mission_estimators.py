@@ -17,13 +17,12 @@ Complements are carried through, so that nothing cancels however small the answe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numba import njit
 from scipy.stats import binom
+from tables import Grid
 
 from uqfold.problems.criterion import Binomial, Missions
 from uqfold.typing import FloatArray
@@ -31,90 +30,57 @@ from uqfold.typing import FloatArray
 ARRANGEMENTS = 8
 
 
-@dataclass(frozen=True)
-class MissionGrid:
-    """What is estimated, all combinations: arrays (taus, profiles, thresholds).
+def missions_of(grid: Grid) -> int:
+    """Return the missions B that a shared draw needs: the most that a profile can have."""
+    return max(criterion.max_missions for criterion in grid.criteria)
 
-    Attributes
+
+def estimate(
+    grid: Grid, times: FloatArray, weights: FloatArray, rng: np.random.Generator
+) -> FloatArray:
+    """Return estimates of the shape of the grid, averaged over the shared draws.
+
+    Parameters
     ----------
-    thresholds, taus, profiles
-        T (finite), tau (None: not required) and mission profiles.
-    missions, units
-        Missions B per shared draw, and units n.
+    grid
+        What is estimated.
+    times
+        Responses (shared draws, K, L); +inf fails every criterion.
+    weights
+        Weights (L,) of the responses of a replicate, which sum to 1.
+    rng
+        For the arrangements of replicates into missions.
 
     Raises
     ------
     ValueError
-        If a profile has more missions than B.
+        If `times` hold NaN.
     """
-
-    thresholds: Sequence[float]
-    taus: Sequence[float | None]
-    profiles: Sequence[Missions]
-    missions: int = 10
-    units: int = 4
-
-    def __post_init__(self) -> None:
-        for profile in self.profiles:
-            if max(mission_numbers(profile)) > self.missions:
-                raise ValueError(f"{self.missions} missions are too few for {profile}")
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Shape of the arrays of estimates."""
-        return len(self.taus), len(self.profiles), len(self.thresholds)
-
-    @property
-    def replicates(self) -> int:
-        """Replicates per shared draw, K = n B."""
-        return self.missions * self.units
-
-    def estimate(
-        self, times: FloatArray, weights: FloatArray, rng: np.random.Generator
-    ) -> FloatArray:
-        """Give the estimates, averaged over the shared draws.
-
-        Parameters
-        ----------
-        times
-            Responses (shared draws, K, L); +inf fails every criterion.
-        weights
-            Weights (L,) of the responses of a replicate, which sum to 1.
-        rng
-            For the arrangements of replicates into missions.
-
-        Raises
-        ------
-        ValueError
-            If `times` has the wrong shape or holds NaN.
-        """
-        if times.ndim != 3 or times.shape[1:] != (self.replicates, len(weights)):
-            raise ValueError(
-                f"times have shape {times.shape}, not (n, {self.replicates}, {len(weights)})"
-            )
-        if np.isnan(times).any():
-            raise ValueError("times hold NaN: a failed run has no place in a reference")
-        thresholds = np.asarray(self.thresholds, dtype=np.float64)
-        taus = np.array([tau for tau in self.taus if tau is not None], dtype=np.float64)
-        too_late = np.minimum(late_shares(times, weights, thresholds), 1.0)
-        alone = failure_of_any(np.moveaxis(too_late, 1, 0)).mean(axis=1)
-        in_step = np.zeros((self.missions + 1, len(taus), len(thresholds)))
-        for _ in range(ARRANGEMENTS if taus.size else 0):
-            order = rng.permutation(self.replicates).reshape(self.missions, self.units)
-            failed = mission_failures(np.take(times, order, axis=1), weights, thresholds, taus)
-            in_step += failure_of_any(np.moveaxis(failed, 1, 0)).mean(axis=1) / ARRANGEMENTS
-        estimates = np.zeros(self.shape)
-        for j, profile in enumerate(self.profiles):
-            for number, share in mission_numbers(profile).items():
-                synchronized = iter(in_step[number])
-                for i, tau in enumerate(self.taus):
-                    one = alone[number * self.units] if tau is None else next(synchronized)
-                    estimates[i, j] += share * one
-        return estimates
+    if np.isnan(times).any():
+        raise ValueError("times hold NaN: a failed run has no place in a reference")
+    missions = missions_of(grid)
+    thresholds = np.asarray(grid.thresholds, dtype=np.float64)
+    taus = np.array([tau for tau in grid.taus if tau is not None], dtype=np.float64)
+    # without synchronization every replicate counts by itself, like a mission of one unit
+    too_late = mission_failures(times[:, :, None], weights, thresholds, np.array([np.inf]))
+    alone = failure_of_any(np.moveaxis(too_late[:, :, 0], 1, 0)).mean(axis=1)
+    in_step = np.zeros((missions + 1, len(taus), len(thresholds)))
+    for _ in range(ARRANGEMENTS if taus.size else 0):
+        order = rng.permutation(missions * grid.units).reshape(missions, grid.units)
+        failed = mission_failures(np.take(times, order, axis=1), weights, thresholds, taus)
+        in_step += failure_of_any(np.moveaxis(failed, 1, 0)).mean(axis=1) / ARRANGEMENTS
+    estimates = np.zeros(grid.shape)
+    for j, profile in enumerate(grid.profiles):
+        for number, share in _mission_numbers(profile).items():
+            synchronized = iter(in_step[number])
+            for i, tau in enumerate(grid.taus):
+                one = alone[number * grid.units] if tau is None else next(synchronized)
+                estimates[i, j] += share * one
+    return estimates
 
 
-def mission_numbers(profile: Missions) -> dict[int, float]:
-    """Numbers of missions that a profile may have, with their probabilities."""
+def _mission_numbers(profile: Missions) -> dict[int, float]:
+    """Return the numbers of missions that a profile may have, with their probabilities."""
     if isinstance(profile, Binomial):
         numbers = range(profile.planned + 1)
         return {k: float(binom.pmf(k, profile.planned, profile.p)) for k in numbers}
@@ -122,7 +88,7 @@ def mission_numbers(profile: Missions) -> dict[int, float]:
 
 
 def failure_of_any(failures: FloatArray) -> FloatArray:
-    """Probability that at least one of r trials fails, for r = 0 ... K, without bias.
+    """Return the probability that at least one of r trials fails, for r = 0 ... K, without bias.
 
     The mean over all choices of r different replicates of 1 - (1 - f_1) ... (1 - f_r), by
     recurrence over the replicates: the next one is among r chosen ones of the first k with
@@ -147,18 +113,9 @@ def failure_of_any(failures: FloatArray) -> FloatArray:
     return found
 
 
-def late_shares(times: FloatArray, weights: FloatArray, thresholds: FloatArray) -> FloatArray:
-    """Weighted share (draws, K, thresholds) of the responses (draws, K, L) beyond each T."""
-    order = np.argsort(times, axis=2)
-    late = np.cumsum(weights[order][..., ::-1], axis=2)[..., ::-1]
-    late = np.concatenate([late, np.zeros_like(late[..., :1])], axis=2)
-    working = (times[..., None] <= thresholds).sum(axis=2)
-    return np.take_along_axis(late, working, axis=2)
-
-
 @njit(error_model="numpy", cache=True)
 def mission_failures(times: Any, weights: Any, thresholds: Any, taus: Any) -> Any:
-    """Failure probability of single missions under synchronization.
+    """Return the failure probability of single missions under synchronization.
 
     Parameters
     ----------

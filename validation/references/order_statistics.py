@@ -15,15 +15,16 @@ then each T is the end of a panel, and t - tau is a node of an earlier panel.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
-from tables import Row
+from scipy.special import ndtr
+from tables import Grid
 
 from uqfold.problems.criterion import Binomial, Missions
+from uqfold.problems.reference import Reference
 from uqfold.typing import FloatArray
 
 ROUNDING = 1e-12
@@ -31,38 +32,8 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
-class Resolution:
-    """How finely to integrate: trapezoidal rules over standard-normal variables, and panels.
-
-    Attributes
-    ----------
-    reach
-        All standard-normal variables run over +-reach.
-    shared_step, individual_step
-        Step of the rule over the shared and over the individual variables.
-    panel_nodes
-        Gauss-Legendre nodes per panel of the response.
-    """
-
-    reach: float
-    shared_step: float
-    individual_step: float
-    panel_nodes: int
-
-
-class Unit(Protocol):
-    """The distribution of one unit's response given the shared variable."""
-
-    def distribution(
-        self, t: FloatArray, u: float, resolution: Resolution
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give H, S = 1 - H and h at responses t (k,), given the standardised shared variable."""
-        ...
-
-
-@dataclass(frozen=True)
-class Grid:
-    """Thresholds, synchronization thresholds and profiles asked for, and the panels.
+class Rules:
+    """How to integrate: panels of the response, trapezoidal rules over standard normals.
 
     Attributes
     ----------
@@ -70,43 +41,58 @@ class Grid:
         Responses below this are neglected.
     width
         Width of a panel; divides every threshold minus `start`, and every tau.
-    thresholds, taus, profiles
-        T, tau (None: not required) and mission profiles; all combinations are computed.
-    n_units
-        Number of units n.
+    panel_nodes
+        Gauss-Legendre nodes per panel.
+    reach
+        All standard-normal variables run over +-reach.
+    shared_step, individual_step
+        Step of the rule over the shared and over the individual variables.
     """
 
     start: float
     width: float
-    thresholds: Sequence[float]
-    taus: Sequence[float | None]
-    profiles: Sequence[Missions]
-    n_units: int
+    panel_nodes: int
+    reach: float
+    shared_step: float
+    individual_step: float = 1.0
 
-    @cached_property
-    def edges(self) -> list[int]:
-        """How many panels lie below each threshold."""
-        return [self._panels(threshold - self.start) for threshold in self.thresholds]
+    def panels(self, length: float) -> int:
+        """Return how many panels a length spans.
 
-    def shift(self, tau: float) -> int:
-        """How many panels tau spans."""
-        return self._panels(tau)
-
-    def _panels(self, length: float) -> int:
+        Raises
+        ------
+        ValueError
+            If it is no multiple of their width.
+        """
         count = round(length / self.width)
         if abs(count * self.width - length) > 1e-9 * self.width:
             raise ValueError(f"{length} is no multiple of the panel width {self.width}")
         return count
 
-    def nodes(self, k: int) -> tuple[FloatArray, FloatArray]:
-        """Give the nodes (panels, k) of all panels, and the weights (k,) of one."""
-        x, w = np.polynomial.legendre.leggauss(k)
-        left = self.start + self.width * np.arange(max(self.edges))
-        return left[:, None] + 0.5 * self.width * (x + 1.0), 0.5 * self.width * w
+
+Distribution: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
+"""H, S = 1 - H and h at some responses."""
+Unit: TypeAlias = Callable[[FloatArray, float, Rules], Distribution]
+"""The distribution of one unit's response at responses (k,), given the standardised shared
+variable."""
+
+
+def below_bound(z: FloatArray, slope: FloatArray, weights: FloatArray) -> Distribution:
+    """Return the distribution of a unit whose last variable, standard normal, has a bound.
+
+    Parameters
+    ----------
+    z, slope
+        The response is at most t exactly where the variable is at most z; with dz/dt, (k, nodes).
+    weights
+        Weights (nodes,) of the individual variables that z depends on.
+    """
+    density = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi) * slope
+    return ndtr(z) @ weights, ndtr(-z) @ weights, density @ weights
 
 
 def standard_normal_rule(reach: float, step: float) -> tuple[FloatArray, FloatArray]:
-    """Trapezoidal rule against the standard normal density: nodes, weights.
+    """Return nodes and weights of the trapezoidal rule against the standard normal density.
 
     For smooth integrands that vanish at both ends it converges faster than any power of the step.
     """
@@ -116,80 +102,56 @@ def standard_normal_rule(reach: float, step: float) -> tuple[FloatArray, FloatAr
     return u, weights
 
 
+def gauss_panels(start: float, width: float, count: int, k: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes (count, k) of Gauss-Legendre panels side by side, and weights (k,) of one."""
+    x, w = np.polynomial.legendre.leggauss(k)
+    left = start + width * np.arange(count)
+    return left[:, None] + 0.5 * width * (x + 1.0), 0.5 * width * w
+
+
+def integrate(unit: Unit, grid: Grid, rules: Rules) -> FloatArray:
+    """Return failure probabilities of the shape of the grid."""
+    edges = [rules.panels(threshold - rules.start) for threshold in grid.thresholds]
+    nodes, weights = gauss_panels(rules.start, rules.width, max(edges), rules.panel_nodes)
+    responses = np.concatenate([nodes.ravel(), np.asarray(grid.thresholds, dtype=np.float64)])
+    pf = np.zeros(grid.shape)
+    for u, weight in zip(*standard_normal_rule(rules.reach, rules.shared_step), strict=True):
+        H, S, h = unit(responses, float(u), rules)
+        cdf, pdf = (values[: nodes.size].reshape(nodes.shape) for values in (H, h))
+        with np.errstate(divide="ignore"):
+            too_late = -np.expm1(grid.units * np.log1p(-np.minimum(S[nodes.size :], 1.0)))
+        for i, tau in enumerate(grid.taus):
+            failure = too_late
+            if tau is not None:
+                apart = _apart(cdf, pdf, rules.panels(tau), grid.units) @ weights
+                failure = np.minimum(
+                    too_late + np.concatenate([[0.0], np.cumsum(apart)])[edges], 1.0
+                )
+            for j, profile in enumerate(grid.profiles):
+                pf[i, j] += weight * mission_failure(failure, profile)
+    return pf
+
+
+def _apart(cdf: FloatArray, pdf: FloatArray, shift: int, n: int) -> FloatArray:
+    """Return the integrand of the largest response, where the smallest lies too far below it."""
+    below = np.zeros_like(cdf)
+    below[shift:] = cdf[: max(len(cdf) - shift, 0)]
+    within = np.maximum(cdf - below, 0.0)
+    terms = sum(cdf ** (n - 2 - j) * within**j for j in range(n - 1))
+    integrand: FloatArray = n * pdf * below * terms
+    return integrand
+
+
 def mission_failure(f: FloatArray, profile: Missions) -> FloatArray:
-    """Probability that at least one mission fails, each with probability f."""
-    if isinstance(profile, Binomial):
-        trials, share = profile.planned, profile.p
-    else:
-        trials, share = profile, 1.0
+    """Return the probability that at least one mission fails, each with probability f."""
+    binomial = isinstance(profile, Binomial)
+    trials, share = (profile.planned, profile.p) if binomial else (profile, 1.0)
     with np.errstate(divide="ignore"):  # f = 1: log1p gives -inf, expm1 of it -1
         failure: FloatArray = -np.expm1(trials * np.log1p(-share * f))
     return failure
 
 
-def one_mission_failures(
-    grid: Grid, cdf: FloatArray, pdf: FloatArray, survival: FloatArray, weights: FloatArray
-) -> dict[float | None, FloatArray]:
-    """Failure probability of one mission given v, for every tau: arrays (thresholds,).
-
-    Parameters
-    ----------
-    grid
-        What is asked.
-    cdf, pdf
-        H and h at the nodes (panels, k).
-    survival
-        S = 1 - H at the thresholds.
-    weights
-        Weights (k,) of one panel.
-    """
-    n = grid.n_units
-    with np.errstate(divide="ignore"):
-        too_late = -np.expm1(n * np.log1p(-np.minimum(survival, 1.0)))
-    failures: dict[float | None, FloatArray] = {}
-    for tau in grid.taus:
-        if tau is None:
-            failures[tau] = too_late
-            continue
-        shift = min(grid.shift(tau), len(cdf))
-        below = np.zeros_like(cdf)
-        below[shift:] = cdf[: len(cdf) - shift]
-        within = np.maximum(cdf - below, 0.0)
-        terms = sum(cdf ** (n - 2 - j) * within**j for j in range(n - 1))
-        panels = np.concatenate([[0.0], np.cumsum((n * pdf * below * terms) @ weights)])
-        failures[tau] = np.minimum(too_late + panels[grid.edges], 1.0)
-    return failures
-
-
-def integrate(unit: Unit, grid: Grid, resolution: Resolution) -> FloatArray:
-    """Failure probabilities (taus, profiles, thresholds) at one resolution."""
-    nodes, weights = grid.nodes(resolution.panel_nodes)
-    responses = np.concatenate([nodes.ravel(), np.asarray(grid.thresholds, dtype=np.float64)])
-    pf = np.zeros((len(grid.taus), len(grid.profiles), len(grid.thresholds)))
-    for u, weight in zip(
-        *standard_normal_rule(resolution.reach, resolution.shared_step), strict=True
-    ):
-        cdf, survival, pdf = unit.distribution(responses, float(u), resolution)
-        failures = one_mission_failures(
-            grid,
-            cdf[: nodes.size].reshape(nodes.shape),
-            pdf[: nodes.size].reshape(nodes.shape),
-            survival[nodes.size :],
-            weights,
-        )
-        for i, tau in enumerate(grid.taus):
-            for j, profile in enumerate(grid.profiles):
-                pf[i, j] += weight * mission_failure(failures[tau], profile)
-    return pf
-
-
-def rows(unit: Unit, grid: Grid, coarse: Resolution, fine: Resolution) -> list[Row]:
-    """Reference rows at the finer resolution; their error bound is the change from the coarser."""
+def references(unit: Unit, grid: Grid, coarse: Rules, fine: Rules) -> list[Reference]:
+    """Return the answers by the finer rules; their bound is the change from the coarser ones."""
     rough, pf = integrate(unit, grid, coarse), integrate(unit, grid, fine)
-    bound = np.abs(pf - rough) + ROUNDING * pf
-    return [
-        Row(float(threshold), tau, profile, float(pf[i, j, k]), float(bound[i, j, k]))
-        for i, tau in enumerate(grid.taus)
-        for j, profile in enumerate(grid.profiles)
-        for k, threshold in enumerate(grid.thresholds)
-    ]
+    return grid.references(pf, np.abs(pf - rough) + ROUNDING * pf)

@@ -11,11 +11,11 @@ follows for the system is in `order_statistics.py`.
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
 import numpy as np
-from order_statistics import Grid, Resolution, rows, standard_normal_rule
-from scipy.special import ndtr
-from tables import BINOMIAL_PROFILES, as_text, integration_command
+from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
+from tables import BINOMIAL_PROFILES, Grid, as_text, integration_command
 
 from uqfold.typing import FloatArray
 
@@ -25,8 +25,6 @@ X2 = (1.2, 0.05)
 X3 = (0.5, 0.1)
 
 GRID = Grid(
-    start=-80.0,
-    width=0.5,
     thresholds=(
         *np.arange(-8.0, -2.0).tolist(),
         *np.arange(-2.0, 8.5, 0.5).tolist(),
@@ -36,10 +34,11 @@ GRID = Grid(
     ),
     taus=(None, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0),
     profiles=(1, 2, 3, 5, 8, 10, *BINOMIAL_PROFILES),
-    n_units=4,
 )
-COARSE = Resolution(reach=9.0, shared_step=0.3, individual_step=0.03, panel_nodes=5)
-FINE = Resolution(reach=10.0, shared_step=0.2, individual_step=0.02, panel_nodes=7)
+FINE = Rules(
+    start=-80.0, width=0.5, panel_nodes=7, reach=10.0, shared_step=0.2, individual_step=0.02
+)
+COARSE = replace(FINE, panel_nodes=5, reach=9.0, shared_step=0.3, individual_step=0.03)
 HOW = (
     "Integration without sampling: distribution of one unit given X1 by a trapezoidal rule over "
     "X2, exact in X3; order-statistics integral over the largest response; trapezoidal rule over "
@@ -48,31 +47,22 @@ HOW = (
 COMMAND = "python validation/references/series.py"
 
 
-class SeriesUnit:
-    """One unit of Example 1 given X1."""
-
-    def distribution(
-        self, t: FloatArray, u: float, resolution: Resolution
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give H, 1 - H and h at responses t, given X1 = mean + u standard deviations."""
-        v, weights = standard_normal_rule(resolution.reach, resolution.individual_step)
-        x1 = X1[0] + X1[1] * u
-        x2 = X2[0] + X2[1] * v
-        without_x3 = np.exp(0.1 * x1 + 0.2) - 4.0 * (x1 + 1.5 * x2 - 1.0) ** 3 + 18.0
-        # Y <= t  <=>  exp(0.2 x2 + X3) >= gap  <=>  X3 >= log(gap) - 0.2 x2; sure when gap <= 0
-        gap = without_x3 - t[:, None]
-        open_ = gap > 0.0
-        safe = np.where(open_, gap, 1.0)
-        z = np.where(open_, (np.log(safe) - 0.2 * x2 - X3[0]) / X3[1], -np.inf)
-        density = np.exp(-0.5 * z * z) / (np.sqrt(2.0 * np.pi) * X3[1] * safe)
-        return ndtr(-z) @ weights, ndtr(z) @ weights, density @ weights
+def unit(t: FloatArray, u: float, rules: Rules) -> Distribution:
+    """Return the distribution of one unit given X1 = mean + u standard deviations."""
+    v, weights = standard_normal_rule(rules.reach, rules.individual_step)
+    x1, x2 = X1[0] + X1[1] * u, X2[0] + X2[1] * v
+    without_x3 = np.exp(0.1 * x1 + 0.2) - 4.0 * (x1 + 1.5 * x2 - 1.0) ** 3 + 18.0
+    # Y <= t  <=>  exp(0.2 x2 + X3) >= gap  <=>  X3 >= log(gap) - 0.2 x2; sure when gap <= 0
+    gap = without_x3 - t[:, None]
+    safe = np.where(gap > 0.0, gap, 1.0)
+    z = np.where(gap > 0.0, (X3[0] + 0.2 * x2 - np.log(safe)) / X3[1], np.inf)
+    return below_bound(z, 1.0 / (X3[1] * safe), weights)
 
 
 def compute() -> str:
-    """Give the text of ``series.json``."""
-    table = rows(SeriesUnit(), GRID, COARSE, FINE)
-    return as_text("series", "integration", HOW, COMMAND, table)
+    """Return the text of ``series.json``."""
+    return as_text("series", "integration", HOW, COMMAND, references(unit, GRID, COARSE, FINE))
 
 
 if __name__ == "__main__":
-    sys.exit(integration_command(__doc__, [("series.json", compute)]))
+    sys.exit(integration_command(__doc__, {"series.json": compute}))

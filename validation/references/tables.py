@@ -1,4 +1,4 @@
-"""What the reference scripts share: the mission profiles, the file format, the comparison.
+"""What the reference scripts share: what is asked, the file format, the comparison.
 
 A reference file is JSON with one row per line, so that a change shows as a readable difference.
 """
@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
-import sys
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from decimal import ROUND_UP, Context
+from itertools import product
 from pathlib import Path
 from typing import Any
 
-from uqfold.problems.criterion import Binomial, Missions
-from uqfold.problems.reference import SCHEMA, ReferenceTable, parse_references
+from uqfold.problems.criterion import Binomial, Criterion, Missions
+from uqfold.problems.reference import SCHEMA, Reference, ReferenceTable, parse_references
+from uqfold.typing import FloatArray
 from uqfold.writing import write_text
 
 SHIPPED = Path(__file__).resolve().parents[2] / "uqfold" / "problems" / "references"
@@ -29,61 +30,66 @@ BINOMIAL_PROFILES: tuple[Missions, ...] = (
 
 
 @dataclass(frozen=True)
-class Row:
-    """One reference: a criterion, its failure probability and the error of that number."""
+class Grid:
+    """What is asked of a system: all combinations, arrays (taus, profiles, thresholds).
 
-    threshold: float
-    tau: float | None
-    missions: Missions
-    pf: float
-    std_error: float
+    Attributes
+    ----------
+    thresholds, taus, profiles
+        T (finite), tau (None: not required) and mission profiles.
+    units
+        Number of units n.
+    """
 
-    def to_json(self) -> str:
-        """Give the row as one line, pf with 13 digits and the error rounded up to two."""
-        missions: object = self.missions
-        if isinstance(self.missions, Binomial):
-            missions = {"planned": self.missions.planned, "p": self.missions.p}
-        return json.dumps(
-            {
-                "threshold": self.threshold,
-                "tau": self.tau,
-                "missions": missions,
-                "pf": float(f"{self.pf:.12e}"),
-                "std_error": rounded_up(self.std_error),
-            }
-        )
+    thresholds: Sequence[float]
+    taus: Sequence[float | None]
+    profiles: Sequence[Missions]
+    units: int = 4
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Shape of the arrays of answers."""
+        return len(self.taus), len(self.profiles), len(self.thresholds)
+
+    @property
+    def criteria(self) -> list[Criterion]:
+        """The criteria in the order of the arrays."""
+        every = product(self.taus, self.profiles, self.thresholds)
+        return [Criterion(threshold, tau, profile) for tau, profile, threshold in every]
+
+    def references(self, pf: FloatArray, std_error: FloatArray) -> list[Reference]:
+        """Return the answers with their errors as references."""
+        answers = zip(self.criteria, pf.ravel(), std_error.ravel(), strict=True)
+        return [Reference(criterion, float(p), float(error)) for criterion, p, error in answers]
 
 
-def rounded_up(value: float) -> float:
-    """Round a positive number up to two significant digits."""
-    if value == 0.0:
-        return 0.0
-    unit = math.floor(math.log10(value)) - 1
-    return float(f"{math.ceil(value / 10.0**unit)}e{unit}")
+def as_text(
+    problem: str, kind: str, how: str, command: str, references: Iterable[Reference]
+) -> str:
+    """Return the text of a reference file, checked by the parser of the package.
 
-
-def as_text(problem: str, kind: str, how: str, command: str, rows: Iterable[Row]) -> str:
-    """Give the text of a reference file, checked by the parser of the package."""
+    pf has 13 digits, its error is rounded up to two.
+    """
     head = {"schema": SCHEMA, "problem": problem, "kind": kind, "how": how, "command": command}
-    lines = ",\n".join(f"  {row.to_json()}" for row in rows)
-    text = json.dumps(head, indent=1)[:-2] + ',\n "rows": [\n' + lines + "\n ]\n}\n"
+    rows = []
+    for one in references:
+        row = asdict(one.criterion) | {
+            "pf": float(f"{one.pf:.12e}"),
+            "std_error": rounded_up(one.std_error),
+        }
+        rows.append(f"  {json.dumps(row)}")
+    text = json.dumps(head, indent=1)[:-2] + ',\n "rows": [\n' + ",\n".join(rows) + "\n ]\n}\n"
     parse_references(json.loads(text))
     return text
 
 
-def write(path: Path, text: str) -> None:
-    """Write the file whole or not at all, so that an interrupted run leaves the former one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, text)
-
-
-def read(path: Path) -> ReferenceTable:
-    """Read a reference file."""
-    return parse_references(json.loads(path.read_text(encoding="utf-8")))
+def rounded_up(value: float) -> float:
+    """Round a positive number up to two significant digits."""
+    return float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(float(value))))
 
 
 def mismatches(shipped: ReferenceTable, computed: ReferenceTable) -> list[str]:
-    """Say where two tables of integrated references differ by more than their own bounds."""
+    """Return where two tables of integrated references differ by more than their own bounds."""
     found = []
     for criterion in {**shipped.entries, **computed.entries}:
         old, new = shipped.lookup(criterion), computed.lookup(criterion)
@@ -97,7 +103,7 @@ def mismatches(shipped: ReferenceTable, computed: ReferenceTable) -> list[str]:
 
 def integration_command(
     description: str | None,
-    files: Sequence[tuple[str, Callable[[], str]]],
+    files: Mapping[str, Callable[[], str]],
     arguments: Sequence[str] | None = None,
 ) -> int:
     """Run the command line of a script that integrates: write its files, or check them.
@@ -107,7 +113,7 @@ def integration_command(
     description
         Docstring of the script.
     files
-        Name of each shipped file and the function that computes its text.
+        Name of each shipped file -> the function that computes its text.
     arguments
         Command-line arguments; None takes those of the process.
 
@@ -120,29 +126,20 @@ def integration_command(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--out", type=Path, default=SHIPPED, help="folder for the files (default: the package's)"
+        "--out", type=Path, default=SHIPPED, help="folder of the files (default: the package's)"
     )
     parser.add_argument(
-        "--check",
-        action="store_true",
-        help="write nothing: recompute, compare with the files in --out, exit 1 if they differ",
+        "--check", action="store_true", help="write nothing: exit 1 if the files differ"
     )
     options: Any = parser.parse_args(arguments)
-    code = 0
-    for name, compute in files:
-        path = options.out / name
-        text = compute()
+    different = False
+    for name, compute in files.items():
+        path, text = options.out / name, compute()
         if not options.check:
-            write(path, text)
-            print(f"{path}: {len(json.loads(text)['rows'])} rows")
+            write_text(path, text)
             continue
-        if not path.exists():
-            print(f"{path}: missing", file=sys.stderr)
-            code = 1
-            continue
-        found = mismatches(read(path), parse_references(json.loads(text)))
-        print(f"{path}: {len(found)} rows differ beyond their bounds")
-        for line in found:
-            print(f"  {line}", file=sys.stderr)
-        code = 1 if found else code
-    return code
+        shipped = parse_references(json.loads(path.read_text(encoding="utf-8")))
+        found = mismatches(shipped, parse_references(json.loads(text)))
+        print(f"{path}: {len(found)} rows differ beyond their bounds", *found, sep="\n  ")
+        different = different or bool(found)
+    return int(different)
