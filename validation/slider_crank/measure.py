@@ -56,39 +56,28 @@ REGULAR, IRREGULAR = 1e-6, 1e-3
 
 
 @njit(error_model="numpy")  # type: ignore[untyped-decorator]
-def _joint(t, psi, x, w, v):  # type: ignore[no-untyped-def]
-    """Eccentricity and its rate, journal on the rod minus bearing in the slider."""
+def _gap(t, psi, x, w, v, C_r):  # type: ignore[no-untyped-def]
+    """Penetration (m) of journal on the rod and bearing in the slider, its rate, its direction."""
     cosine, sine = math.cos(SPEED * t), math.sin(SPEED * t)
     c, s = math.cos(psi), math.sin(psi)
-    return (
-        CRANK * cosine + ROD * c - x,
-        CRANK * sine + ROD * s,
-        -CRANK * SPEED * sine - ROD * s * w - v,
-        CRANK * SPEED * cosine + ROD * c * w,
-    )
-
-
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
-def _gap(t, psi, x, w, v, C_r):  # type: ignore[no-untyped-def]
-    """Penetration (m) and its rate (m/s)."""
-    e_x, e_y, r_x, r_y = _joint(t, psi, x, w, v)
+    e_x, e_y = CRANK * cosine + ROD * c - x, CRANK * sine + ROD * s
+    r_x = -CRANK * SPEED * sine - ROD * s * w - v
+    r_y = CRANK * SPEED * cosine + ROD * c * w
     distance = math.sqrt(e_x * e_x + e_y * e_y)
     if distance == 0.0:
-        return -C_r, 0.0
-    return distance - C_r, (e_x * r_x + e_y * r_y) / distance
+        return -C_r, 0.0, 0.0, 0.0
+    n_x, n_y = e_x / distance, e_y / distance
+    return distance - C_r, r_x * n_x + r_y * n_y, n_x, n_y
 
 
 @njit(error_model="numpy")  # type: ignore[untyped-decorator]
 def _accelerations(t, psi, x, w, v, C_r, K, damping):  # type: ignore[no-untyped-def]
     """Accelerations of the rod's angle and of the slider."""
-    e_x, e_y, r_x, r_y = _joint(t, psi, x, w, v)
-    distance = math.sqrt(e_x * e_x + e_y * e_y)
-    f_x = f_y = 0.0
-    if distance > C_r and damping >= 0.0:
-        n_x, n_y = e_x / distance, e_y / distance
-        rate = r_x * n_x + r_y * n_y
-        normal, _ = contact_forces(distance - C_r, rate, 0.0, K, damping, 0.0, 1e-3, 1.0)
-        f_x, f_y = normal * n_x, normal * n_y
+    depth, rate, n_x, n_y = _gap(t, psi, x, w, v, C_r)
+    normal = 0.0
+    if depth > 0.0 and damping >= 0.0:
+        normal, _ = contact_forces(depth, rate, 0.0, K, damping, 0.0, 1e-3, 1.0)
+    f_x, f_y = normal * n_x, normal * n_y
     c, s = math.cos(psi), math.sin(psi)
     # about the crank pin, which is accelerated towards the crank's pivot
     pin = CRANK * SPEED * SPEED
@@ -103,7 +92,7 @@ def _run(x, turns, steps, C_r, K, hysteresis, kept):  # type: ignore[no-untyped-
     psi, w, v = 0.0, -CRANK * SPEED / ROD, 0.0
     h = PERIOD / steps
     damping = -1.0
-    depth, rate = _gap(0.0, psi, x, w, v, C_r)
+    depth, rate, _, _ = _gap(0.0, psi, x, w, v, C_r)
     contacts, k = 0, 0
     for i in range(turns * steps):
         t = i * h
@@ -124,7 +113,7 @@ def _run(x, turns, steps, C_r, K, hysteresis, kept):  # type: ignore[no-untyped-
         x += h / 6.0 * (v + 2.0 * v_2 + 2.0 * v_3 + v_4)
         w += h / 6.0 * (a_1 + 2.0 * a_2 + 2.0 * a_3 + a_4)
         v += h / 6.0 * (b_1 + 2.0 * b_2 + 2.0 * b_3 + b_4)
-        new, new_rate = _gap(t + h, psi, x, w, v, C_r)
+        new, new_rate, _, _ = _gap(t + h, psi, x, w, v, C_r)
         if new > 0.0 and damping < 0.0:
             # the onset lies within the step; speed^2 is taken linear in the distance
             share = -depth / (new - depth)
