@@ -125,7 +125,7 @@ def test_every_case_shows_claim_figure_table_verdict_and_how_it_was_measured() -
         record.case.source, record.case.tolerance, record.case.verdict_rule,
         record.made["command"], record.made["machine"], record.date, "(holds)", "wrong sign",
         "not planted in this run", "numpy 2.1.0", str(2**70), "at most 2 × 10⁻⁶ s",
-        "3.333 × 10⁻⁷ s", "0.5356", "at least 3.8", "± 0.1",
+        "3.33 × 10⁻⁷ s", "0.5356", "at least 3.8", "± 0.1",
     ):  # fmt: skip
         assert said in text, said
     ((name, figure),) = built([record]).pictures.items()

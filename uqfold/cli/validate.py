@@ -97,7 +97,7 @@ def validate_cases(
     planted = update or not quick if faults is None else faults
     validation = Validation(tier, out or Path("uqfold-results", name), planted)
     invocation: Invocation = context.obj
-    raise typer.Exit(session.ValidationSession(found, validation, invocation, update).run())
+    raise typer.Exit(session.measure_cases(found, validation, invocation, update=update))
 
 
 def _default_cases() -> Path:

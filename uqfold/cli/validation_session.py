@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
@@ -19,7 +20,6 @@ from uqfold.report.validation_page import validation_page
 from uqfold.report.verdicts import kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
 from uqfold.validation.kept import (
-    KEPT_TIERS,
     Changes,
     changes,
     discrepancies,
@@ -35,83 +35,78 @@ from uqfold.writing import check_writable
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
 
-@dataclass
-class ValidationSession:
-    """Cases under way: how they are measured, and whether the records become the kept ones."""
+def measure_cases(
+    cases: Sequence[Case], validation: Validation, invocation: Invocation, *, update: bool
+) -> int:
+    """Measure cases, report, and keep the records if asked to; return the exit code."""
+    check_writable(validation.folder)
+    records: list[CaseRecord] = []
+    found: dict[str, Changes] = {}
+    interrupted = False
+    try:
+        for case, record in _measured(cases, validation, invocation.interrupts.check):
+            records.append(record)
+            found[case.name] = changes(kept_record(case, record.tier), record)
+            if update:
+                write_case_record(record, case.kept(record.tier))
+    except KeyboardInterrupt:
+        resume = shlex.join(["uqfold", *invocation.words])
+        done = f"{len(records)} of {len(cases)} cases are finished and kept"
+        say(f"interrupted: {done}; to go on: {resume}")
+        interrupted = True
+    if records:
+        page = validation_page(read_case_records(validation.folder), found)
+        reports = page.write(validation.folder / "report.html")
+        if update:
+            reports += write_kept_report(cases[0].folder.parent)[:1]
+        names = [case.name for case in cases]
+        records.sort(key=lambda record: names.index(record.name))
+        _print_outcome(records, found, [validation.folder, *reports])
+    if interrupted:
+        return EXIT_INTERRUPTED
+    if any(one.broken for one in found.values()):
+        return EXIT_BROKEN
+    # with --update they are the kept ones from now on
+    return EXIT_CHANGED if not update and any(one.verdicts for one in found.values()) else 0
 
-    cases: Sequence[Case]
-    validation: Validation
-    invocation: Invocation
-    update: bool = False
-    changes: dict[str, Changes] = field(default_factory=dict, init=False)
 
-    def run(self) -> int:
-        """Measure all cases and report; return the exit code of the program."""
-        check_writable(self.validation.folder)
-        records: dict[str, CaseRecord] = {}
-        interrupted = False
-        try:
-            for case, record in self._measured():
-                records[case.name] = record
-                self._keep(case, record)
-        except KeyboardInterrupt:
-            resume = shlex.join(["uqfold", *self.invocation.words])
-            done = f"{len(records)} of {len(self.cases)} cases are finished and kept"
-            say(f"interrupted: {done}; to go on: {resume}")
-            interrupted = True
-        if records:
-            self._report([records[case.name] for case in self.cases if case.name in records])
-        if interrupted:
-            return EXIT_INTERRUPTED
-        if any(found.broken for found in self.changes.values()):
-            return EXIT_BROKEN
-        # with --update they are the kept ones from now on
-        changed = any(found.verdicts for found in self.changes.values())
-        return EXIT_CHANGED if changed and not self.update else 0
+def _measured(
+    cases: Sequence[Case], validation: Validation, wake: Callable[[], None]
+) -> Iterator[tuple[Case, CaseRecord]]:
+    """Measure case by case, those that may run side by side first."""
+    left = {case.name: case for case in cases}
+    with ComparisonProgressBar([*left], Console(stderr=True), unit="parts") as bar:
 
-    def _measured(self) -> Iterator[tuple[Case, CaseRecord]]:
-        """Measure case by case, those that may run side by side first."""
-        wake = self.invocation.interrupts.check
-        left = {case.name: case for case in self.cases}
-        with ComparisonProgressBar([*left], Console(stderr=True), unit="parts") as bar:
+        def progress(name: str, done: int, total: int | None) -> None:
+            wake()
+            bar(name, done, total)
 
-            def progress(name: str, done: int, total: int | None) -> None:
-                wake()
-                bar(name, done, total)
+        measuring = replace(validation, progress=progress)
+        for case, record in side_by_side(measuring, cases, wake):
+            bar(case.name, 0, None)
+            del left[case.name]
+            yield case, record
+        for case in left.values():
+            record = measuring.run(case)
+            # what was interrupted may look finished where a library swallowed it
+            wake()
+            yield case, record
 
-            measuring = replace(self.validation, progress=progress)
-            for case, record in side_by_side(measuring, self.cases, wake):
-                bar(case.name, 0, None)
-                del left[case.name]
-                yield case, record
-            for case in left.values():
-                record = measuring.run(case)
-                # what was interrupted may look finished where a library swallowed it
-                wake()
-                yield case, record
 
-    def _keep(self, case: Case, record: CaseRecord) -> None:
-        self.changes[case.name] = changes(kept_record(case, record.tier), record)
-        if self.update and record.tier in KEPT_TIERS:
-            write_case_record(record, case.kept(record.tier))
-
-    def _report(self, records: Sequence[CaseRecord]) -> None:
-        """Print what came out, and write the report on all records of the folder."""
-        folder = self.validation.folder
-        out = stdout_console(quiet=False)
-        print_verdicts(out, records)
-        page = validation_page(read_case_records(folder), self.changes)
-        written = page.write(folder / "report.html")
-        if self.update:
-            written += write_kept_report(self.cases[0].folder.parent)[:1]
-        lines = [
-            f"\nkept records: {kept_text(list(self.changes.values()))}",
-            *(f"  {name}: {text}" for name, one in self.changes.items() for text in one.words),
-            f"\nrecords: {shown_path(folder)}",
-            *(f"report: {shown_path(path)}" for path in written),
-        ]
-        for text in lines:
-            out.print(text, highlight=False, markup=False, soft_wrap=True)
+def _print_outcome(
+    records: Sequence[CaseRecord], found: Mapping[str, Changes], written: Sequence[Path]
+) -> None:
+    out = stdout_console(quiet=False)
+    print_verdicts(out, records)
+    folder, *reports = map(shown_path, written)
+    lines = [
+        f"\nkept records: {kept_text(list(found.values()))}",
+        *(f"  {name}: {text}" for name, one in found.items() for text in one.words),
+        f"\nrecords: {folder}",
+        *(f"report: {path}" for path in reports),
+    ]
+    for text in lines:
+        out.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def print_cases(cases: Sequence[Case]) -> None:

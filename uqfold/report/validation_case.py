@@ -10,7 +10,7 @@ import pandas as pd
 from uqfold.plots import points
 from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Tone, value_text
+from uqfold.report.page.cells import Tone, typeset
 from uqfold.report.page.markup import literal
 from uqfold.validation.findings import VERDICT_RULE, Finding
 from uqfold.validation.measurement import Points, Table
@@ -97,8 +97,8 @@ def _findings(page: Page, findings: Iterable[Finding], title: str) -> None:
     rows = [
         {
             "finding": one.what,
-            "measured": _value(one),
-            "limit": _limit(one),
+            "measured": typeset(one.measured) or "not measured",
+            "limit": typeset(one.bound) or "quoted only",
             "verdict": one.verdict or "–",
             "remark": one.remark,
         }
@@ -106,20 +106,6 @@ def _findings(page: Page, findings: Iterable[Finding], title: str) -> None:
     ]
     if rows:
         page.table(_without_empty("remark", rows), title, tones=VERDICT_TONES)
-
-
-def _value(one: Finding) -> str:
-    if one.value is None:
-        return "not measured"
-    spread = "" if one.uncertainty is None else f" ± {value_text(one.uncertainty)}"
-    return f"{value_text(one.value) or 'NaN'}{spread} {one.unit}".rstrip()
-
-
-def _limit(one: Finding) -> str:
-    if one.limit is None:
-        return "quoted only"
-    bound = "at least" if one.at_least else "at most"
-    return f"{bound} {value_text(one.limit)} {one.unit}".rstrip()
 
 
 def _fault(one: PlantedFault) -> dict[str, Any]:

@@ -108,20 +108,28 @@ class Finding:
         return f"{self.claim}: {self.what}" if self.claim else self.what
 
     @property
+    def measured(self) -> str:
+        """The value with its uncertainty and unit; empty without a value."""
+        if self.value is None:
+            return ""
+        spread = "" if self.uncertainty is None else f" ± {number(self.uncertainty)}"
+        return f"{number(self.value)}{spread} {self.unit}".rstrip()
+
+    @property
+    def bound(self) -> str:
+        """The limit in words; empty without one."""
+        if self.limit is None:
+            return ""
+        side = "at least" if self.at_least else "at most"
+        return f"{side} {number(self.limit)} {self.unit}".rstrip()
+
+    @property
     def words(self) -> str:
         """The finding in one line."""
-        unit = f" {self.unit}" if self.unit else ""
-        words = [self.name]
-        if self.value is not None:
-            spread = "" if self.uncertainty is None else f" ± {number(self.uncertainty)}"
-            words[0] += f": {number(self.value)}{spread}{unit}"
-        if self.limit is not None:
-            bound = "at least" if self.at_least else "at most"
-            words.append(f"({bound} {number(self.limit)}{unit})")
-        if self.verdict not in (None, "holds"):
-            words.append(f"- {self.verdict}")
-        if self.remark:
-            words.append(f"- {self.remark}")
+        words = [f"{self.name}: {self.measured}" if self.measured else self.name]
+        words += [f"({self.bound})"] if self.bound else []
+        words += [f"- {self.verdict}"] if self.verdict not in (None, "holds") else []
+        words += [f"- {self.remark}"] if self.remark else []
         return " ".join(words)
 
 
