@@ -61,7 +61,7 @@ def test_the_wall_clock_limit_holds_for_each_method(tmp_path: Path) -> None:
     ("words", "message"),
     [
         (["--max-seconds", "0"], "max_seconds = 0.0"),
-        (["--progress", "dots"], "--progress dots: choose from bar, json"),
+        (["--progress", "dots"], "'dots' is not one of 'bar', 'json'"),
     ],
 )
 def test_words_that_mean_nothing_are_usage_errors(

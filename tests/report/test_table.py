@@ -125,6 +125,16 @@ def test_a_narrow_terminal_loses_nothing(frame: pd.DataFrame) -> None:
     assert "ArithmeticError:apole[atzero]" in narrow
 
 
+def test_at_60_columns_every_row_is_one_line(frame: pd.DataFrame) -> None:
+    """Lines were folded in the middle of a number: what has no room is left out, and said."""
+    lines = printed(frame, 60).splitlines()
+    for label in METHODS:
+        assert sum(line.startswith(f"  {label} ") for line in lines) == len(GRID) + 1
+    assert max(map(len, lines)) <= 60
+    assert "  left out   time and interval, which a wider terminal shows" in lines
+    assert "left out" not in printed(frame, 80)
+
+
 def test_the_summary_counts_answers_and_errors(frame: pd.DataFrame) -> None:
     lines = [line.split() for line in printed(frame, 120).splitlines()]
     start = lines.index(

@@ -10,8 +10,7 @@ import typer
 
 import uqfold
 from uqfold.cli.compare import COMPARE_HELP, compare_methods, problem_lines
-from uqfold.cli.interrupts import Interrupts
-from uqfold.cli.invocation import Invocation
+from uqfold.cli.invocation import Interrupts, Invocation
 from uqfold.cli.report import REPORT_HELP, report_command
 from uqfold.cli.streams import exit_code_of, flush_streams, open_streams
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
@@ -69,7 +68,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     open_streams()
     try:
         try:
-            # before anything starts a thread: threads inherit what is said about signals
             with Interrupts() as interrupts:
                 app(args=words, prog_name="uqfold", obj=Invocation(words, interrupts))
         finally:

@@ -6,9 +6,9 @@ import contextlib
 import os
 import shlex
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from uqfold.comparison.plan import ComparisonPlan
-    from uqfold.evaluation.session import FailedRunPolicy
     from uqfold.problems.base import Problem
 
 BATCH_ROWS = 1024
@@ -92,7 +91,7 @@ def compare_methods(
         bool, flag("--quiet", "Print nothing but errors; the files are written.")
     ] = False,
     failed_runs: Annotated[
-        str, option("POLICY", "What a failed run means: bound, count-as-failure or raise.")
+        Literal["bound", "count-as-failure", "raise"], option(None, "What a failed run means.")
     ] = "bound",
     store: Annotated[
         Path | None,
@@ -105,14 +104,15 @@ def compare_methods(
         float | None, option("S", "Wall-clock limit of each method. Default: none.")
     ] = None,
     progress: Annotated[
-        str, option("KIND", "bar (on terminals only), or json: lines on the standard error.")
+        Literal["bar", "json"],
+        option(None, "A bar (on terminals only), or lines of JSON on the standard error."),
     ] = "bar",
 ) -> None:
     """Compare methods on a problem."""
     chosen = usage(named_problem, problem)
     asked = chosen.problem()
 
-    from uqfold.cli.words import chosen_criteria, chosen_word, listed
+    from uqfold.cli.words import chosen_criteria, listed
     from uqfold.comparison.plan import plan_comparison
     from uqfold.evaluation import Dask, Evaluator
     from uqfold.problems.criterion import Criteria
@@ -125,8 +125,7 @@ def compare_methods(
             max_evals=chosen.max_evals if max_evals is None else max_evals,
             rng=seed,
             evaluator=Evaluator(
-                # the evaluator itself refuses other policies
-                failed_runs=cast("FailedRunPolicy", failed_runs),
+                failed_runs=failed_runs,
                 batch_rows=BATCH_ROWS if cluster is None else None,
                 store=store,
                 executor=None if cluster is None else Dask(cluster),
@@ -134,14 +133,15 @@ def compare_methods(
             ),
         )
 
-    lines = usage(chosen_word, progress, "progress", ("bar", "json")) == "json"
     planned = usage(plan)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
         check_writable(folder)
     except OSError as error:
         raise typer.BadParameter(f"--out {os_error_text(error)}") from error
-    session = ComparisonSession(planned, folder, context.obj, not no_figures, quiet, lines)
+    session = ComparisonSession(
+        planned, folder, context.obj, not no_figures, quiet, json_lines=progress == "json"
+    )
     raise typer.Exit(session.run())
 
 
@@ -154,9 +154,8 @@ class ComparisonSession:
     invocation: Invocation
     figures: bool
     quiet: bool
-    progress_lines: bool
+    json_lines: bool
     frame: pd.DataFrame | None = None
-    written: list[Path] = field(default_factory=list)
 
     def run(self) -> int:
         """Run all methods and report; return the exit code of the program.
@@ -189,8 +188,10 @@ class ComparisonSession:
     def _run_methods(self) -> None:
         from rich.console import Console
 
+        from uqfold.comparison.records import write_records
         from uqfold.comparison.run import run_comparison
         from uqfold.provenance import shown_command
+        from uqfold.report.figures import figure_paths
         from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
         from uqfold.report.progress_lines import ProgressLines
 
@@ -198,11 +199,8 @@ class ComparisonSession:
         with notice_if_slow(COMPILING, terminal):
             run_once(self.plan.problem)
         labels = list(self.plan.methods)
-        with (
-            ProgressLines(sys.stderr)
-            if self.progress_lines
-            else ComparisonProgressBar(labels, terminal)
-        ) as bar:
+        told = ProgressLines(sys.stderr) if self.json_lines else None
+        with told or ComparisonProgressBar(labels, terminal) as bar:
             plan = replace(self.plan, evaluator=replace(self.plan.evaluator, watch=bar.watch))
             check = self.invocation.interrupts.check
 
@@ -214,34 +212,28 @@ class ComparisonSession:
             for frame in run_comparison(plan, progress, command):
                 # what was interrupted may look finished where a library swallowed the interruption
                 check()
-                self._save(frame)
-
-    def _save(self, frame: pd.DataFrame) -> None:
-        from uqfold.comparison.records import write_records
-        from uqfold.report.figures import figure_paths
-
-        if self.frame is None:
-            # figures of an earlier comparison would not belong to these records
-            for path in figure_paths(self.folder):
-                path.unlink(missing_ok=True)
-        self.frame = frame
-        self.written = list(write_records(frame, self.folder))
+                if self.frame is None:
+                    # figures of an earlier comparison would not belong to these records
+                    for path in figure_paths(self.folder):
+                        path.unlink(missing_ok=True)
+                self.frame = frame
+                write_records(frame, self.folder)
 
     def _report(self, frame: pd.DataFrame) -> None:
+        from uqfold.comparison.records import CSV_NAME, JSON_NAME
         from uqfold.report.figures import write_figures
         from uqfold.report.table import ComparisonTable
 
         out = stdout_console(quiet=self.quiet)
+        names = [CSV_NAME, JSON_NAME]
         try:
             out.print(ComparisonTable(frame))
         finally:
             # the files are written whether or not anybody can read the table
             if self.figures:
-                self.written += write_figures(frame, self.folder)
-        names = ", ".join(path.name for path in self.written)
-        out.print()
-        where = f"written to {shown_path(self.folder)}: {names}"
-        out.print(where, highlight=False, markup=False, soft_wrap=True)
+                names += [path.name for path in write_figures(frame, self.folder)]
+        written = f"\nwritten to {shown_path(self.folder)}: {', '.join(names)}"
+        out.print(written, highlight=False, markup=False)
 
     def _say_interrupted(self) -> None:
         from uqfold.evaluation import Store

@@ -2,17 +2,55 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from types import FrameType
 from typing import Any, TypeVar
 
 import typer
 
-from uqfold.cli.interrupts import Interrupts
 from uqfold.cli.streams import os_error_text
 from uqfold.evaluation.errors import EngineError
 
 Value = TypeVar("Value")
+
+
+class Interrupts:
+    """While entered, Ctrl-C is answered as before, and remembered.
+
+    Attributes
+    ----------
+    requested
+        Whether Ctrl-C was pressed; a library may have swallowed the exception since.
+    """
+
+    def __init__(self) -> None:
+        self.requested = False
+        self._answer: Any = None
+
+    def __enter__(self) -> Interrupts:
+        """Take the signal over, unless it is ignored."""
+        handler = signal.getsignal(signal.SIGINT)
+        if threading.current_thread() is threading.main_thread() and callable(handler):
+            self._answer = handler
+            signal.signal(signal.SIGINT, self._remember)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Give the signal back."""
+        if self._answer is not None:
+            signal.signal(signal.SIGINT, self._answer)
+
+    def check(self) -> None:
+        """Raise KeyboardInterrupt if Ctrl-C was pressed at any time before."""
+        if self.requested:
+            raise KeyboardInterrupt
+
+    def _remember(self, number: int, frame: FrameType | None) -> None:
+        self.requested = True
+        self._answer(number, frame)
 
 
 @dataclass(frozen=True)
@@ -23,8 +61,8 @@ class Invocation:
     interrupts: Interrupts
 
 
-def option(metavar: str, text: str) -> Any:
-    """Return an option that takes a value."""
+def option(metavar: str | None, text: str) -> Any:
+    """Return an option that takes a value; its choices stand for a `metavar` of None."""
     return typer.Option(metavar=metavar, help=text)
 
 

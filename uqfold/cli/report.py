@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from uqfold.cli.invocation import option, usage
+from uqfold.cli.streams import shown_path
 
 REPORT_HELP = """Write the report on records: one HTML file that needs nothing else, or Markdown.
 
@@ -26,29 +30,19 @@ def report_command(
     ],
     *,
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Where to write. Default: report.html in RUN_DIR."),
+        Path | None, option("FILE", "Where to write. Default: report.html in RUN_DIR.")
     ] = None,
     format: Annotated[
-        str | None,
-        typer.Option(metavar="FORMAT", help="html or md. Default: as FILE is called, or html."),
+        str | None, option("FORMAT", "html or md. Default: as FILE is called, or html.")
     ] = None,
 ) -> None:
     """Write a report."""
-    from uqfold.cli.streams import os_error_text, shown_path
     from uqfold.report.page.builder import page_format
     from uqfold.report.reports import STEM, write_report
 
-    try:
-        if out is None:
-            form = page_format(Path(), format or "html")
-            out = (run_dir if run_dir.is_dir() else run_dir.parent) / f"{STEM}.{form}"
-        written = write_report(run_dir, out, format=format)
-    except OSError as error:
-        raise typer.BadParameter(os_error_text(error)) from error
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from error
-    pictures = (
-        f", {len(written) - 1} pictures in {written[-1].parent.name}" if len(written) > 1 else ""
-    )
-    typer.echo(f"written: {shown_path(written[0])}{pictures}")
+    if out is None:
+        form = usage(page_format, Path(), format or "html")
+        out = (run_dir if run_dir.is_dir() else run_dir.parent) / f"{STEM}.{form}"
+    report, *pictures = usage(partial(write_report, run_dir, out, format=format))
+    beside = f", {len(pictures)} pictures in {pictures[0].parent.name}" if pictures else ""
+    typer.echo(f"written: {shown_path(report)}{beside}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 from uqfold.problems.criterion import Binomial, Criteria, Missions, criteria
@@ -13,7 +13,7 @@ Value = TypeVar("Value")
 _BINOMIAL = re.compile(r"(?:binomial\()?\s*(\d+)\s*[:,]\s*([^)\s]+)\s*\)?")
 
 
-def number(word: str, option: str) -> float:
+def number(word: str, option: str, remedy: str = "give a number") -> float:
     """Read a number.
 
     Raises
@@ -24,17 +24,12 @@ def number(word: str, option: str) -> float:
     try:
         return float(word)
     except ValueError:
-        raise ValueError(f"--{option} {word}: give a number") from None
+        raise ValueError(f"--{option} {word}: {remedy}") from None
 
 
 def number_or_none(word: str, option: str) -> float | None:
     """Read a number, or the word ``none``."""
-    if word.lower() == "none":
-        return None
-    try:
-        return float(word)
-    except ValueError:
-        raise ValueError(f"--{option} {word}: give a number or none") from None
+    return None if word.lower() == "none" else number(word, option, "give a number or none")
 
 
 def mission_profile(word: str, option: str) -> Missions:
@@ -45,19 +40,6 @@ def mission_profile(word: str, option: str) -> Missions:
     if match is None:
         raise ValueError(f"--{option} {word}: give a whole number, or PLANNED:P as in 10:0.7")
     return Binomial(int(match[1]), number(match[2], option))
-
-
-def chosen_word(word: str, option: str, choices: Sequence[str]) -> str:
-    """Give a word that has to be one of some choices.
-
-    Raises
-    ------
-    ValueError
-        If it is none of them.
-    """
-    if word not in choices:
-        raise ValueError(f"--{option} {word}: choose from {', '.join(choices)}")
-    return word
 
 
 def listed(words: Iterable[str]) -> list[str]:

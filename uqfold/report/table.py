@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -47,8 +47,17 @@ STATUS_STYLES = {
 }
 """Status -> style on a terminal."""
 _SHORT_STATUS = {"budget_exhausted": "budget"}
-_LAYOUTS = ((True, 3), (True, 2), (False, 2), (False, 1))
-"""(full numbers and words, gap between columns), from the most generous on."""
+_LAYOUTS = (
+    (True, 3, ()),
+    (True, 2, ()),
+    (False, 2, ()),
+    (False, 1, ()),
+    (False, 1, ("time",)),
+    (False, 1, ("time", "interval")),
+)
+"""(full numbers and words, gap between columns, columns left out), from the most generous on."""
+_OF_METHODS = ((True, 2, ()), (False, 2, ()), (False, 1, ("largest",)))
+"""The same of the table of methods, of which the most generous one has titles too."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +88,7 @@ class ComparisonTable:
         for row in rows:
             groups.setdefault(criterion_key(row), []).append(row)
         ordered = [row for group in groups.values() for row in group]
-        answers = (_answers(ordered, numbers, full, gap) for full, gap in _LAYOUTS)
+        answers = (_answers(ordered, numbers, *layout) for layout in _LAYOUTS)
         head, *lines = _fitting(answers, console, options)
         yield ""
         yield head
@@ -88,10 +97,11 @@ class ComparisonTable:
             yield from _group_head(group[0], header["response_unit"], options.max_width)
             yield from (lines.pop(0) for _ in group)
         yield ""
-        methods = (_methods(header, self.frame, titled) for titled in (True, False))
+        methods = (_methods(header, self.frame, *layout) for layout in _OF_METHODS)
         yield from _fitting(methods, console, options)
         yield ""
-        yield from _noted(_legend(header, rows), options.max_width, "dim")
+        left_out = [name for name in ("time", "interval") if name not in head.plain]
+        yield from _noted(_legend(header, rows, left_out), options.max_width, "dim")
         if numbers:
             yield ""
             said = {
@@ -137,24 +147,33 @@ def _title(header: Mapping[str, Any]) -> str:
     return f"{asked}, seed {header['seed']}, {budget}"
 
 
-def _table(head: Sequence[str], words: Sequence[int], gap: int) -> Table:
-    """Return a table of which some columns are words, the others numbers."""
+def _table(
+    columns: Mapping[str, Sequence[Text]], words: Container[str], gap: int, without: Container[str]
+) -> Table:
+    """Return a table from columns by name, of which some are words, the others numbers."""
     from rich.table import Table
 
+    shown = {name: cells for name, cells in columns.items() if name.strip() not in without}
     table = Table(box=None, pad_edge=False, padding=(0, gap, 0, 0), header_style="dim")
-    for i, one in enumerate(head):
-        table.add_column(one, justify="left" if i in words else "right", no_wrap=True)
+    for name in shown:
+        table.add_column(name, justify="left" if name in words else "right", no_wrap=True)
+    for row in zip(*shown.values(), strict=True):
+        table.add_row(*row)
     return table
 
 
 def _answers(
-    rows: Sequence[Row], numbers: Mapping[tuple[str, str], int], full: bool, gap: int
+    rows: Sequence[Row],
+    numbers: Mapping[tuple[str, str], int],
+    full: bool,
+    gap: int,
+    without: Container[str],
 ) -> Table:
     interval, evals = ("interval or error kind", "evaluations") if full else ("interval", "evals")
-    table = _table(["  method", "pf", interval, "error", evals, "time", "status"], (0, 2, 6), gap)
-    for row in rows:
-        table.add_row(*_cells(row, numbers, full))
-    return table
+    names = ("  method", "pf", interval, "error", evals, "time", "status")
+    cells = zip(*(_cells(row, numbers, full) for row in rows), strict=True)
+    columns = dict(zip(names, cells, strict=True))
+    return _table(columns, ("  method", interval, "status"), gap, without)
 
 
 def _cells(row: Row, numbers: Mapping[tuple[str, str], int], full: bool) -> list[Text]:
@@ -203,32 +222,39 @@ def _group_head(row: Row, unit: str, width: int) -> Iterator[Text]:
     yield from (head.append_text(behind),) if fits else (head, behind)
 
 
-def _methods(header: Mapping[str, Any], frame: pd.DataFrame, titled: bool) -> Table:
+def _methods(
+    header: Mapping[str, Any], frame: pd.DataFrame, titled: bool, gap: int, without: Container[str]
+) -> Table:
     """Return one line per method: how much it answered, how well, and at what cost."""
     from rich.text import Text
 
-    titles = {entry["label"]: entry["title"] for entry in header["methods"] if titled}
-    head = ["  whole run", "answered", "median error", "largest", "evaluations", "time"]
-    table = _table([*head, *([""] if titled else [])], (0, 6), 2)
-    for label, score in method_scores(frame).to_dict("index").items():
-        cells = [
-            f"  {label}",
-            f"{score['answered']} of {score['asked']}",
-            percent(score["median_error"]),
-            percent(score["largest_error"]),
-            count_text(score["n_evals"]),
-            seconds_text(score["seconds"]),
-            titles.get(label, ""),
-        ]
-        table.add_row(*map(Text, cells[: len(table.columns)]))
-    return table
+    scores = method_scores(frame)
+    answered = scores["answered"].astype(str) + " of " + scores["asked"].astype(str)
+    texts = {
+        "  whole run": "  " + scores.index,
+        "answered": answered,
+        "median error": scores["median_error"].map(percent),
+        "largest": scores["largest_error"].map(percent),
+        "evaluations": scores["n_evals"].map(count_text),
+        "time": scores["seconds"].map(seconds_text),
+    }
+    if titled:
+        titles = {entry["label"]: entry["title"] for entry in header["methods"]}
+        texts[""] = [titles.get(label, "") for label in scores.index]
+    columns = {name: [Text(one) for one in column] for name, column in texts.items()}
+    return _table(columns, ("  whole run", ""), gap, without)
 
 
-def _legend(header: Mapping[str, Any], rows: Sequence[Row]) -> dict[str, str]:
+def _legend(
+    header: Mapping[str, Any], rows: Sequence[Row], left_out: Sequence[str]
+) -> dict[str, str]:
     said = {}
-    if intervals := dict.fromkeys(row["ci_kind"] for row in rows if row["ci_kind"]):
+    if left_out:
+        said["left out"] = f"{' and '.join(left_out)}, which a wider terminal shows"
+    intervals = dict.fromkeys(row["ci_kind"] for row in rows if row["ci_kind"])
+    if intervals and "interval" not in left_out:
         said["interval"] = ", ".join(intervals)
-    if any(_interval(row, full=True) == "none" for row in rows):
+    if "interval" not in left_out and any(_interval(row, full=True) == "none" for row in rows):
         said["none"] = "the method gives no error of its own"
     if any(row["status"] == "unchecked" for row in rows):
         said["unchecked"] = UNCHECKED

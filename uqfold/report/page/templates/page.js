@@ -178,7 +178,7 @@
     search.addEventListener("input", () => filter(true));
     tables.push(() => filter(false));
     filter(false);
-    if (rows.length > 12 || (choosers.length && rows.length > 4)) table.parentElement.before(tools);
+    if (rows.length > 12 || (choosers.length && rows.length > 8)) table.parentElement.before(tools);
   }
 
   // Scrolling areas can be reached by keyboard.
