@@ -11,7 +11,6 @@ from uqfold.report.page.colors import (
     by_day,
     by_night,
     contrast,
-    readable,
 )
 
 
@@ -40,9 +39,3 @@ def test_dark_and_light_change_places_by_night() -> None:
 
 def test_black_and_white_are_as_far_apart_as_can_be() -> None:
     assert contrast((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)) == pytest.approx(21.0)
-
-
-@pytest.mark.parametrize("color", ["red", "#12345", "#1234567", "#12345g", "url(x)", ""])
-def test_what_is_no_colour_is_refused(color: str) -> None:
-    with pytest.raises(ValueError, match="is no colour"):
-        readable(color, LIGHT_PAPER)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from colorsys import hls_to_rgb, rgb_to_hls
 
 LIGHT_PAPER, DARK_PAPER = "#ffffff", "#14171a"
 LEAST_CONTRAST = 3.2
 """Contrast of lines and markers with the paper; WCAG 2.2 asks for 3."""
 
-_HEXADECIMAL = re.compile(r"#[0-9a-fA-F]{6}")
 _STEPS = 50
 _PALE = 1.6
 """Contrast with light paper below which a colour is one of areas and grids."""
@@ -19,21 +17,12 @@ _DARKEST, _LIGHTEST = 0.1, 0.92
 
 
 def readable(color: str, paper: str) -> str:
-    """Return a colour, darkened or lightened until its contrast with the paper is large enough.
-
-    Raises
-    ------
-    ValueError
-        If a colour is not written as six hexadecimal digits.
-    """
+    """Return a colour, darkened or lightened until its contrast with the paper is large enough."""
     own, ground = _channels(color), _channels(paper)
-    end = 0.0 if _luminance(ground) > 0.4 else 1.0
-    for step in range(_STEPS + 1):
-        share = step / _STEPS
-        mixed = tuple((1.0 - share) * value + share * end for value in own)
-        if contrast(mixed, ground) >= LEAST_CONTRAST:
-            break
-    return _written(mixed)
+    end = 0.0 if paper == LIGHT_PAPER else 1.0
+    shares = (step / _STEPS for step in range(_STEPS + 1))
+    mixtures = (tuple((1.0 - share) * one + share * end for one in own) for share in shares)
+    return _written(next(one for one in mixtures if contrast(one, ground) >= LEAST_CONTRAST))
 
 
 def by_day(color: str) -> str:
@@ -68,8 +57,6 @@ def _written(channels: tuple[float, ...]) -> str:
 
 
 def _channels(color: str) -> tuple[float, ...]:
-    if not _HEXADECIMAL.fullmatch(color):
-        raise ValueError(f"{color!r} is no colour: give six hexadecimal digits after #")
     return tuple(int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
 
 
