@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
@@ -225,10 +225,10 @@ class Page:
 
     def equation(self, latex: str, lead: str = "", source: str = "") -> None:
         """Add a displayed equation in LaTeX, what leads to it, and where it comes from."""
-        said = _markdown("lead", lead)
+        latex, said = text("latex", latex), _markdown("lead", lead)
         behind = f" ({literal(source)})" if text("source", source, empty=True) else ""
         # what could end the display is shown as code
-        shown = fenced(latex, "" if "$" in latex or "\n" in text("latex", latex) else "math")
+        shown = fenced(latex, "" if "$" in latex or "\n" in latex else "math")
         leading = f"{said}{behind}:\n\n".lstrip() if said or behind else ""
         self._add("equation", leading + shown, latex=latex, lead=said, source=source)
 
@@ -236,10 +236,12 @@ class Page:
         """Add code or commands on lines of their own."""
         self._add("listing", fenced(text("source", source, empty=True)), text=source)
 
-    @contextmanager
-    def details(self, title: str) -> Iterator[None]:
+    def details(self, title: str) -> AbstractContextManager[None]:
         """Fold away what is added within the ``with``; open in print and in Markdown."""
-        text("title", title)
+        return self._folded(text("title", title))
+
+    @contextmanager
+    def _folded(self, title: str) -> Iterator[None]:
         outer, self.blocks = self.blocks, []
         was_folding, self._folding = self._folding, True
         try:
