@@ -190,11 +190,6 @@ def test_the_package_knows_no_example_of_the_paper_by_number(
         assert not re.search(r"Example \d", capsys.readouterr().out)
 
 
-def test_studies_are_scripts(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("study", "run", "example-1", "--quick") == 2
-    assert "python studies/<name>/study.py" in " ".join(capsys.readouterr().err.split())
-
-
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--version") == 0
     assert capsys.readouterr().out == f"uqfold {uqfold.__version__}\n"
