@@ -243,7 +243,7 @@ def test_an_error_the_reference_cannot_judge_is_hollow() -> None:
     faces = {
         label: {
             to_hex(line.get_markerfacecolor()).upper()
-            for line in colored(axes, styles[label].color)[:2]
+            for line in colored(axes, styles[label].color)[:1]
             if len(line.get_xdata())
         }
         for label in methods

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from uqfold.checks import refused, several, whole
-from uqfold.plots.panels import GREY, axes_or_new, key, legend_below
+from uqfold.plots.panels import axes_or_new, draw_judged, key, legend_below, limit_errors
 from uqfold.plots.rows import distinct, having, joined
-from uqfold.plots.style import figure_settings, method_styles
+from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,28 +39,21 @@ def benchmark(summary: pd.DataFrame, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(summary, NEEDS, "summary")
+    frame = joined(summary, NEEDS, "summary").sort_values("n_evals")
     axes = axes_or_new(ax)
     column = "method" if "method" in frame else "label"
-    axes.set(xscale="log", yscale="log", xlim=(20, 20_000), ylim=(_SMALLEST, _LARGEST))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
+    axes.set(xscale="log", xlim=(20, 20_000))
+    limit_errors(axes, _SMALLEST, _LARGEST)
     axes.xaxis.set_major_formatter(
         lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
     )
-    line = frame.sort_values("n_evals")
-    axes.plot(line["n_evals"], line["monte_carlo_rms"], **EXPECTED)
+    axes.plot(frame["n_evals"], frame["monte_carlo_rms"], **EXPECTED)
     for name, look in method_styles(distinct(frame, column)).items():
-        own = having(frame, column, name).sort_values("n_evals")
+        own = having(frame, column, name)
         # a budget that buys no further run buys no further point
         own = own[own["answers"] > 0].drop_duplicates("n_evals", keep="last")
-        error = np.clip(own["rms"], _SMALLEST, _LARGEST)
-        axes.plot(own["n_evals"], error, "-", color=look.color, linewidth=1.0)
-        for judged, face in ((True, look.color), (False, "white")):
-            shown = (own["judged"] == judged).to_numpy()
-            axes.plot(
-                own["n_evals"][shown], error[shown], look.marker, color=look.color,
-                markersize=4.0, markerfacecolor=face, markeredgewidth=0.9,
-            )  # fmt: skip
+        errors = own["rms"].clip(_SMALLEST, _LARGEST)
+        draw_judged(axes, own["n_evals"], errors, ~own["judged"].astype(bool), look)
     return axes
 
 
@@ -98,7 +89,9 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
         for axes, problem in zip(row, problems, strict=True):
             own = frame[(frame["decade"] == decade) & (frame["problem"] == problem)]
             if own.empty:
-                axes.text(0.5, 0.5, "not asked", transform=axes.transAxes, ha="center", color=GREY)
+                axes.text(
+                    0.5, 0.5, "not asked", transform=axes.transAxes, ha="center", color=SOFT_COLOR
+                )
             else:
                 benchmark(own, axes)
         row[0].set_ylabel(f"pf 1e{decade} to 1e{decade + 1}")
@@ -111,7 +104,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     handles.append(key("Monte Carlo, expected", **EXPECTED))
     if not frame["judged"].all():
         handles.append(
-            key("not beyond the reference's error", linestyle="", marker="o", color=GREY,
+            key("not beyond the reference's error", linestyle="", marker="o", color=SOFT_COLOR,
                 markerfacecolor="white")
         )  # fmt: skip
     legend_below(figure, handles, 4)

@@ -7,17 +7,27 @@ Where rows of two problems are drawn, the colours tell these apart instead.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
 from uqfold.checks import choice, instance, listed, or_none, real, refused, several, text
-from uqfold.plots.panels import GREY, axes_or_new, key, limit_pf, stacked
+from uqfold.plots.panels import (
+    HOLLOW,
+    axes_or_new,
+    draw_bars,
+    draw_judged,
+    key,
+    limit_errors,
+    limit_pf,
+    stacked,
+)
 from uqfold.plots.rows import distinct, having, joined, response_of, threshold_label, value_text
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
+    SOFT_COLOR,
     MethodStyle,
     figure_settings,
     method_styles,
@@ -50,14 +60,13 @@ BAND = 2.0
 SMALLEST_ERROR = 1e-4
 SETTLED = 1e-3
 """Share of reliability up to which a curve has not begun to rise; of pf, has settled."""
-_MARK: Any = {"markerfacecolor": "white", "markersize": 4.2, "markeredgewidth": 0.8}
 _CURVE: Any = {"markersize": 2.8, "linewidth": 0.9}
 _ARROW: Any = {"linestyle": "", "marker": "$\\downarrow$", "markersize": 8.0}
 
 
 @dataclass(frozen=True)
 class _Line:
-    """One curve: what its group and value are, how it looks, its rows, and marks beside them."""
+    """One curve: its problem or label, its value, its look, its rows, and marks beside them."""
 
     group: Any
     value: Any
@@ -66,23 +75,10 @@ class _Line:
     marks: pd.DataFrame
     mark_color: str
 
-
-@dataclass(frozen=True)
-class _Drawing:
-    """The curves of a figure, and what is common to them."""
-
-    frame: pd.DataFrame
-    lines: Sequence[_Line]
-    column: str | None
-    problems: Sequence[str]
-    paired: pd.DataFrame | None
-    smallest_pf: float | None
-
-    @property
-    def marks(self) -> pd.DataFrame:
-        import pandas as pd
-
-        return pd.concat([line.marks for line in self.lines], ignore_index=True)
+    def within(self, column: str | None, value: Any) -> _Line:
+        """Return its part in one of several panels."""
+        rows, marks = having(self.rows, column, value), having(self.marks, column, value)
+        return replace(self, rows=rows, marks=marks)
 
 
 @figure_settings()
@@ -128,11 +124,12 @@ def reliability(
         If there is nothing to draw, or a difference is not of two problems.
     """
     choice("quantity", quantity, LABELS)
-    drawing = _drawing(frame, curves, check, paired, smallest_pf)
+    whole, lines = _lines(frame, curves, check, paired, smallest_pf)
     axes = axes_or_new(ax)
-    _draw(axes, drawing, quantity)
-    axes.set_xlabel(threshold_label(drawing.frame))
-    axes.legend(handles=list(_handles(drawing, [quantity], drawing.problems)))
+    _draw(axes, lines, quantity, curves, paired)
+    _limit(axes, whole, quantity, smallest_pf)
+    axes.set(xlabel=threshold_label(whole), ylabel=LABELS[quantity])
+    axes.legend(handles=list(_handles(whole, lines, [quantity], curves, None)))
     return axes
 
 
@@ -170,38 +167,38 @@ def reliability_panels(
     for i, quantity in enumerate(quantities):
         choice(f"quantities[{i}]", quantity, LABELS)
     or_none("names", names, several, text)
-    drawing = _drawing(frame, curves, check, paired, smallest_pf)
-    or_none("panels", panels, choice, drawing.frame.columns)
-    side_by_side = distinct(drawing.frame, panels)
-    handles = list(_handles(drawing, quantities, names or drawing.problems))
-    figure, grid = stacked([HEIGHTS[one] for one in quantities], len(side_by_side), handles)
-    unit = response_of(drawing.frame)[1]
-    for j, panel in enumerate(side_by_side):
-        own = drawing if panels is None else _within(drawing, panels, panel)
-        for axes, quantity in zip(grid[:, j], quantities, strict=True):
-            _draw(axes, own, quantity)
-            axes.set_ylabel(LABELS[quantity] if j == 0 else "")
+    whole, lines = _lines(frame, curves, check, paired, smallest_pf)
+    or_none("panels", panels, choice, whole.columns)
+    values = distinct(whole, panels)
+    handles = list(_handles(whole, lines, quantities, curves, names))
+    figure, grid = stacked([HEIGHTS[one] for one in quantities], len(values), handles)
+    for column, value in zip(grid.T, values, strict=True):
+        own = [line.within(panels, value) for line in lines]
+        for axes, quantity in zip(column, quantities, strict=True):
+            _draw(axes, own, quantity, curves, paired)
         if panels is not None:
-            grid[0, j].set_title(value_text(panels, panel, unit))
-    if "pf" in quantities:
-        axes = grid[list(quantities).index("pf"), 0]
-        limit_pf(axes, [*drawing.frame["pf"], *drawing.frame["reference_pf"]], smallest_pf)
-    if len(drawing.problems) > 1:
-        grid[-1, 0].set_xlim(*_moving(drawing))
+            column[0].set_title(value_text(panels, value, response_of(whole)[1]))
+    for row, quantity in zip(grid, quantities, strict=True):
+        row[0].set_ylabel(LABELS[quantity])
+        for axes in row:
+            _limit(axes, whole, quantity, smallest_pf)
+    if whole["problem"].nunique() > 1:
+        grid[-1, 0].set_xlim(*_moving(lines, smallest_pf or 0.0))
     # in the middle of several panels, where there is room for it
-    middle, even = len(side_by_side) // 2, len(side_by_side) % 2 == 0
-    grid[-1, middle].set_xlabel(threshold_label(drawing.frame), x=0.0 if even else 0.5)
+    middle, even = len(values) // 2, len(values) % 2 == 0
+    grid[-1, middle].set_xlabel(threshold_label(whole), x=0.0 if even else 0.5)
     figure.align_ylabels(grid[:, 0])
     return figure
 
 
-def _drawing(
+def _lines(
     frames: Frames,
     curves: str | None,
     check: str | None,
     paired: pd.DataFrame | None,
     smallest_pf: float | None,
-) -> _Drawing:
+) -> tuple[pd.DataFrame, list[_Line]]:
+    """Return all rows, and the curves in them; arguments are checked."""
     import pandas as pd
 
     frame = joined(frames, NEEDS).sort_values("threshold", kind="stable")
@@ -214,29 +211,25 @@ def _drawing(
         raise refused("check", check, "there is no curve besides its rows")
     problems = distinct(drawn, "problem")
     if len(problems) > len(PROBLEM_COLORS):
-        raise refused(
-            "frame", problems, f"at most {len(PROBLEM_COLORS)} problems can be told apart"
-        )
+        remedy = f"at most {len(PROBLEM_COLORS)} problems can be told apart"
+        raise refused("frame", problems, remedy)
     two = len(problems) == 2
     column = "problem" if two else "label"
     groups, values = distinct(drawn, column), distinct(drawn, curves)
-    if two:
-        looks = [MethodStyle(color, "o") for color in PROBLEM_COLORS]
-    else:
+    looks = [MethodStyle(color, "o") for color in PROBLEM_COLORS]
+    if not two:
         looks = list(method_styles(_style_names(drawn, groups)).values())
     lines = []
     for group, look in zip(groups, looks, strict=True):
-        own_markers = two or len(groups) == 1
-        beside = having(marks, "problem", group) if two else marks
-        for value, style in zip(
-            values, shades(look, len(values), own_markers=own_markers), strict=True
-        ):
-            rows = having(having(drawn, column, group), curves, value)
-            if not rows.empty:
-                color = look.color if two else "black"
-                own_marks = having(beside, curves, value)
-                lines.append(_Line(group, value, style, rows, own_marks, color))
-    return _Drawing(frame, lines, curves, problems, paired, smallest_pf)
+        rows, beside = having(drawn, column, group), having(marks, "problem", group)
+        color = look.color if two else "black"
+        styles = shades(look, len(values), own_markers=two or len(groups) == 1)
+        for value, style in zip(values, styles, strict=True):
+            own = having(rows, curves, value)
+            if not own.empty:
+                own_marks = having(beside if two else marks, curves, value)
+                lines.append(_Line(group, value, style, own, own_marks, color))
+    return frame, lines
 
 
 def _style_names(frame: pd.DataFrame, labels: Sequence[str]) -> list[str]:
@@ -248,99 +241,59 @@ def _style_names(frame: pd.DataFrame, labels: Sequence[str]) -> list[str]:
     ]
 
 
-def _within(drawing: _Drawing, column: str, value: Any) -> _Drawing:
-    """Return the part of a drawing that has a value in a column."""
-    lines = [
-        _Line(
-            line.group, line.value, line.style, having(line.rows, column, value),
-            having(line.marks, column, value), line.mark_color,
-        )
-        for line in drawing.lines
-    ]  # fmt: skip
-    return _Drawing(
-        drawing.frame, lines, drawing.column, drawing.problems, drawing.paired, drawing.smallest_pf
-    )
-
-
-def _draw(axes: Axes, drawing: _Drawing, quantity: str) -> None:
-    if quantity == "difference":
-        _draw_differences(axes, drawing)
-    elif quantity == "error":
-        for line in drawing.lines:
-            _draw_error(axes, line)
-        _limit_errors(axes, drawing.frame["error"].max())
-    else:
-        for line in drawing.lines:
-            _draw_reference(axes, line, quantity)
-            _draw_curve(axes, line, quantity)
-            _draw_marks(axes, line, quantity)
-        if quantity == "pf":
-            values = [*drawing.frame["pf"], *drawing.frame["reference_pf"]]
-            limit_pf(axes, values, drawing.smallest_pf)
-        else:
-            axes.set_ylim(-0.03, 1.03)
-    axes.set_ylabel(LABELS[quantity])
-
-
-def _draw_reference(axes: Axes, line: _Line, quantity: str) -> None:
-    rows = line.rows[line.rows["reference_pf"].notna()].drop_duplicates("threshold")
-    if rows.empty:
-        return
-    pf, half = rows["reference_pf"], BAND * rows["reference_std_error"]
-    low, high = np.maximum(pf - half, 1e-16), np.minimum(pf + half, 1.0)
-    if quantity == "reliability":
-        pf, low, high = 1.0 - pf, 1.0 - high, 1.0 - low
-    axes.fill_between(rows["threshold"], low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
-    # on top: where methods agree their curves would hide it
-    axes.plot(rows["threshold"], pf, **REFERENCE_LINE, zorder=3.0)
-
-
-def _draw_curve(axes: Axes, line: _Line, quantity: str) -> None:
-    """Draw a curve; points with intervals of their own are not joined."""
-    stated = line.rows["ci_high"].notna()
-    if stated.any():
-        _draw_estimates(axes, line.rows[stated], quantity, line.style, line.style.color)
-    rows = line.rows[~stated & ((line.rows["pf"] > 0.0) | (quantity != "pf"))]
-    look: Any = {"color": line.style.color, "marker": line.style.marker, **_CURVE}
-    axes.plot(rows["threshold"], rows[quantity], **look)
-
-
-def _draw_marks(axes: Axes, line: _Line, quantity: str) -> None:
-    if not line.marks.empty:
-        _draw_estimates(axes, line.marks, quantity, line.style, line.mark_color)
-
-
-def _draw_estimates(
-    axes: Axes, rows: pd.DataFrame, quantity: str, style: MethodStyle, color: str
+def _draw(
+    axes: Axes,
+    lines: Sequence[_Line],
+    quantity: str,
+    column: str | None,
+    paired: pd.DataFrame | None,
 ) -> None:
+    if quantity == "difference":
+        _draw_differences(axes, lines, column, paired)
+        return
+    for line in lines:
+        if quantity == "error":
+            hollow = _unjudged(line.rows)
+            errors = line.rows["error"].clip(lower=SMALLEST_ERROR)
+            draw_judged(axes, line.rows["threshold"], errors, hollow, line.style)
+            continue
+        _draw_reference(axes, line.rows, quantity)
+        # points with intervals of their own are not joined
+        stated = line.rows["ci_high"].notna()
+        _draw_estimates(axes, line.rows[stated], quantity, line.style.marker, line.style.color)
+        rows = line.rows[~stated & ((line.rows["pf"] > 0.0) | (quantity != "pf"))]
+        axes.plot(rows["threshold"], rows[quantity], **_look(line))
+        _draw_estimates(axes, line.marks, quantity, line.style.marker, line.mark_color)
+
+
+def _look(line: _Line) -> dict[str, Any]:
+    return {"color": line.style.color, "marker": line.style.marker, **_CURVE}
+
+
+def _draw_reference(axes: Axes, rows: pd.DataFrame, quantity: str) -> None:
+    known = rows[rows["reference_pf"].notna()].drop_duplicates("threshold")
+    if known.empty:
+        return
+    T, pf, half = known["threshold"], known["reference_pf"], BAND * known["reference_std_error"]
+    ends = [(pf - half).clip(lower=1e-16), (pf + half).clip(upper=1.0), pf]
+    low, high, middle = [1.0 - one for one in ends] if quantity == "reliability" else ends
+    axes.fill_between(T, low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
+    # on top: where methods agree their curves would hide it
+    axes.plot(T, middle, **REFERENCE_LINE, zorder=3.0)
+
+
+def _draw_estimates(axes: Axes, rows: pd.DataFrame, quantity: str, marker: str, color: str) -> None:
     """Draw estimates with their intervals; on the axis of pf zero is an arrow at the upper end."""
-    if quantity == "pf":
+    if quantity == "pf" and not rows.empty:
         none = rows[rows["pf"] == 0.0]
         axes.plot(none["threshold"], none["ci_high"], color=color, **_ARROW)
         rows = rows[rows["pf"] > 0.0]
-    y, low, high = (rows[name].to_numpy() for name in (quantity, "ci_low", "ci_high"))
-    if quantity == "reliability":
-        low, high = 1.0 - high, 1.0 - low
-    _errorbars(axes, rows["threshold"], y, np.array([y - low, high - y]), style.marker, color)
-
-
-def _errorbars(axes: Axes, x: Any, y: Any, bars: Any, marker: str, color: str) -> None:
-    axes.errorbar(
-        x, y, yerr=np.maximum(np.nan_to_num(bars), 0.0), fmt=marker, color=color,
-        elinewidth=0.8, capsize=1.8, zorder=3.5, **_MARK,
-    )  # fmt: skip
-
-
-def _draw_error(axes: Axes, line: _Line) -> None:
-    """Draw errors, hollow where the reference cannot judge them."""
-    error = np.maximum(line.rows["error"], SMALLEST_ERROR)
-    axes.plot(line.rows["threshold"], error, "-", color=line.style.color, linewidth=0.9)
-    judged = ~_unjudged(line.rows)
-    for chosen, face in ((judged, line.style.color), (~judged, "white")):
-        axes.plot(
-            line.rows["threshold"][chosen], error[chosen], line.style.marker,
-            color=line.style.color, markersize=3.6, markerfacecolor=face, markeredgewidth=0.9,
-        )  # fmt: skip
+    if rows.empty:
+        return
+    pf, low, high = rows["pf"], rows["ci_low"], rows["ci_high"]
+    below, above = (high - pf, pf - low) if quantity == "reliability" else (pf - low, high - pf)
+    bars = np.nan_to_num([below, above]).clip(min=0.0)
+    draw_bars(axes, rows["threshold"], rows[quantity], bars, marker, color)
 
 
 def _unjudged(rows: pd.DataFrame) -> Any:
@@ -349,46 +302,35 @@ def _unjudged(rows: pd.DataFrame) -> Any:
     return (rows["error"] <= resolution) & (resolution > SMALLEST_ERROR)
 
 
-def _limit_errors(axes: Axes, largest: float) -> None:
-    """Make an axis of errors logarithmic, over at least two decades, with ticks in per cent."""
-    from matplotlib.ticker import NullFormatter
-
-    axes.set_yscale("log")
-    axes.set_ylim(0.8 * SMALLEST_ERROR, max(1.5 * largest, 1.5e-2))
-    axes.yaxis.set_major_formatter(
-        # the smallest stands for all that are smaller still
-        lambda value, _: f"{'≤ ' if value <= 1.01 * SMALLEST_ERROR else ''}{100.0 * value:g} %"
-    )
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _draw_differences(axes: Axes, drawing: _Drawing) -> None:
+def _draw_differences(
+    axes: Axes, lines: Sequence[_Line], column: str | None, paired: pd.DataFrame | None
+) -> None:
     """Draw R of the first problem less that of the second, by curves or by paired runs."""
-    if len(drawing.problems) != 2:
-        raise refused("frame", drawing.problems, "a difference is that of two problems")
-    first = [line for line in drawing.lines if line.group == drawing.problems[0]]
-    second = {line.value: line for line in drawing.lines if line.group == drawing.problems[1]}
+    problems = list(dict.fromkeys(one for line in lines for one in line.rows["problem"]))
+    if len(problems) != 2:
+        raise refused("frame", problems, "a difference is that of two problems")
+    second = {line.value: line for line in lines if line.group == problems[1]}
     axes.axhline(0.0, color="black", linewidth=0.6)
     drawn = [0.0]
-    for line in first:
-        look: Any = {"color": line.style.color, "marker": line.style.marker, **_CURVE}
-        if drawing.paired is not None:
-            own = having(drawing.paired, drawing.column, line.value).sort_values("threshold")
+    for line in (line for line in lines if line.group == problems[0]):
+        if paired is not None:
+            own = having(paired, column, line.value).sort_values("threshold")
             T, value, half = own["threshold"], own["difference"], BAND * own["std_error"]
-            band: Any = {"color": line.style.color, "alpha": 0.2, "linewidth": 0.0}
-            axes.fill_between(T, value - half, value + half, **band)
-            axes.plot(T, value, **look)
+            axes.fill_between(
+                T, value - half, value + half, color=line.style.color, alpha=0.2, linewidth=0.0
+            )
+            axes.plot(T, value, **_look(line))
             continue
         other = second[line.value]
         both = line.rows.merge(other.rows, on="threshold", suffixes=("", "_2"))
         difference = both["pf_2"] - both["pf"]
         drawn += difference.tolist()
-        axes.plot(both["threshold"], difference, **look)
+        axes.plot(both["threshold"], difference, **_look(line))
         marks = line.marks.merge(other.marks, on="threshold", suffixes=("", "_2"))
         half = 1.96 * np.hypot(marks["std_error"], marks["std_error_2"])
-        _errorbars(axes, marks["threshold"], marks["pf_2"] - marks["pf"], half,
-                   line.style.marker, "black")  # fmt: skip
-    if drawing.paired is not None:
+        difference = marks["pf_2"] - marks["pf"]
+        draw_bars(axes, marks["threshold"], difference, half, line.style.marker, "black")
+    if paired is not None:
         axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2), useMathText=True)
         return
     # long bars are cut off: they must not flatten the curves
@@ -396,14 +338,27 @@ def _draw_differences(axes: Axes, drawing: _Drawing) -> None:
     axes.set_ylim(min(drawn) - margin, max(drawn) + margin)
 
 
-def _moving(drawing: _Drawing) -> tuple[float, float]:
+def _limit(axes: Axes, frame: pd.DataFrame, quantity: str, smallest_pf: float | None) -> None:
+    if quantity == "reliability":
+        axes.set_ylim(-0.03, 1.03)
+    elif quantity == "pf":
+        limit_pf(axes, [*frame["pf"], *frame["reference_pf"]], smallest_pf)
+    elif quantity == "error":
+        # over at least two decades; the smallest stands for all that are smaller still
+        limit_errors(axes, 0.8 * SMALLEST_ERROR, max(1.5 * frame["error"].max(), 1.5e-2))
+        axes.yaxis.set_major_formatter(
+            lambda value, _: f"{'≤ ' * (value <= 1.01 * SMALLEST_ERROR)}{100.0 * value:g} %"
+        )
+
+
+def _moving(lines: Sequence[_Line], smallest_pf: float) -> tuple[float, float]:
     """Return the range of T from where a first curve rises to where the last one has settled."""
-    T = np.unique(np.concatenate([line.rows["threshold"] for line in drawing.lines]))
+    T = np.unique(np.concatenate([line.rows["threshold"] for line in lines]))
     first, last = [], []
-    for line in drawing.lines:
+    for line in lines:
         at, pf = line.rows["threshold"].to_numpy(), line.rows["pf"].to_numpy()
         first += at[line.rows["reliability"] >= SETTLED][:1].tolist()
-        moves = (pf > (1.0 + SETTLED) * pf[-1]) & (pf >= (drawing.smallest_pf or 0.0))
+        moves = (pf > (1.0 + SETTLED) * pf[-1]) & (pf >= smallest_pf)
         last += at[moves][-1:].tolist()
     if not first or not last or min(first) >= max(last):
         return float(T[0]), float(T[-1])
@@ -412,36 +367,40 @@ def _moving(drawing: _Drawing) -> tuple[float, float]:
     return float(T[max(low - 1, 0)]), float(T[min(high + 1, T.size - 1)])
 
 
-def _handles(drawing: _Drawing, quantities: Sequence[str], names: Sequence[str]) -> Iterator[Any]:
+def _handles(
+    frame: pd.DataFrame,
+    lines: Sequence[_Line],
+    quantities: Sequence[str],
+    column: str | None,
+    names: Sequence[str] | None,
+) -> Iterator[Any]:
     from matplotlib.patches import Patch
 
-    unit, column = response_of(drawing.frame)[1], drawing.column
-    two, groups = len(drawing.problems) == 2, {line.group for line in drawing.lines}
+    groups = list(dict.fromkeys(line.group for line in lines))
+    two = frame["problem"].nunique() > 1
     if two:
-        for color, name in zip(PROBLEM_COLORS, names, strict=True):
+        for color, name in zip(PROBLEM_COLORS, names or groups, strict=True):
             yield key(name, color=color, linewidth=2.0)
-    seen = set()
-    for line in drawing.lines:
-        words = [] if column is None else [value_text(column, line.value, unit)]
+    named: dict[str, MethodStyle] = {}
+    for line in lines:
+        words = [] if column is None else [value_text(column, line.value, response_of(frame)[1])]
         if not two and (len(groups) > 1 or column is None):
             words.insert(0, str(line.group))
-        text = ", ".join(words)
-        if text and text not in seen:
-            color = "#777777" if two else line.style.color
-            yield key(text, color=color, marker=line.style.marker, markersize=3.8)
-        seen.add(text)
+        named.setdefault(", ".join(words), line.style)
+    named.pop("", None)
+    for name, style in named.items():
+        color = "#777777" if two else style.color
+        yield key(name, color=color, marker=style.marker, markersize=3.8)
     if set(quantities) == {"error"}:
-        if any(_unjudged(line.rows).any() for line in drawing.lines):
-            yield key("within 2 std. errors of ref.", linestyle="", color=GREY, marker="o",
+        if any(_unjudged(line.rows).any() for line in lines):
+            yield key("within 2 std. errors of ref.", linestyle="", color=SOFT_COLOR, marker="o",
                       markerfacecolor="white", markersize=3.6)  # fmt: skip
         return
-    marks = drawing.marks
-    if not marks.empty:
-        yield key("simulation, 95 %", linestyle="", marker="o", color="black", **_MARK)
-    bounded = drawing.frame[drawing.frame["ci_high"] > 0.0]
-    if "pf" in quantities and (bounded["pf"] == 0.0).any():
+    if any(not line.marks.empty for line in lines):
+        yield key("simulation, 95 %", linestyle="", marker="o", color="black", **HOLLOW)
+    if "pf" in quantities and ((frame["pf"] == 0.0) & (frame["ci_high"] > 0.0)).any():
         yield key("no failure: upper end", color="black", **_ARROW)
-    known = drawing.frame[drawing.frame["reference_pf"].notna()]
+    known = frame[frame["reference_pf"].notna()]
     if not known.empty:
         yield key("reference", **REFERENCE_LINE)
         if (known["reference_std_error"] > 1e-6 * known["reference_pf"]).any():

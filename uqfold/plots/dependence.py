@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from uqfold.plots.panels import GREY, key, limit_pf, stacked
+from uqfold.plots.panels import draw_bars, key, limit_pf, stacked
 from uqfold.plots.rows import distinct, having, joined, threshold_label, value_text
-from uqfold.plots.style import figure_settings, method_styles, shades
+from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles, shades
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 NEEDS = ("units", "threshold", "pf", "pf_independent", "difference", "sampled_difference")
 STANDARD_ERRORS = 2.0
 """Length of the bars on sampled differences."""
-INDEPENDENT = (0, (3, 1.5))
-"""Dashes of the curves of independent units."""
+DASHES = {"pf": "-", "pf_independent": (0, (3, 1.5))}
 
 
 @figure_settings()
@@ -43,30 +42,26 @@ def independence_panels(table: pd.DataFrame) -> Figure:
         key(value_text("units", number, ""), color=look.color, linewidth=2.5)
         for number, look in zip(numbers, looks, strict=True)
     ]
-    handles.append(key("correlated", color=GREY))
-    handles.append(key("independent", color=GREY, linestyle=INDEPENDENT))
+    for name, dashes in zip(("correlated", "independent"), DASHES.values(), strict=True):
+        handles.append(key(name, color=SOFT_COLOR, linestyle=dashes))
     if frame["sampled_difference"].notna().any():
         text = f"sampled, ± {STANDARD_ERRORS:g} s.e."
-        handles.append(key(text, color=GREY, linestyle="", marker="o", markerfacecolor="white"))
+        mark = {"linestyle": "", "marker": "o", "markerfacecolor": "white"}
+        handles.append(key(text, color=SOFT_COLOR, **mark))
     figure, grid = stacked((1.6, 1.6, 1.8), 1, handles)
     body, gap, tail = grid[:, 0]
     for number, look in zip(numbers, looks, strict=True):
         own = having(frame, "units", number)
-        for column, dashes in (("pf", "-"), ("pf_independent", INDEPENDENT)):
-            body.plot(own["threshold"], 1.0 - own[column], linestyle=dashes, color=look.color)
-            tail.plot(own["threshold"], own[column], linestyle=dashes, color=look.color)
-        gap.plot(own["threshold"], own["difference"], color=look.color)
-        gap.errorbar(
-            own["threshold"], own["sampled_difference"],
-            yerr=STANDARD_ERRORS * own["sampled_std_error"], fmt=look.marker, color=look.color,
-            markersize=3.2, markerfacecolor="white", markeredgewidth=0.9, elinewidth=0.9,
-            capsize=1.5,
-        )  # fmt: skip
-    body.set_ylabel("reliability")
-    body.set_ylim(-0.03, 1.03)
+        T = own["threshold"]
+        for column, dashes in DASHES.items():
+            body.plot(T, 1.0 - own[column], linestyle=dashes, color=look.color)
+            tail.plot(T, own[column], linestyle=dashes, color=look.color)
+        gap.plot(T, own["difference"], color=look.color)
+        half = STANDARD_ERRORS * own["sampled_std_error"]
+        draw_bars(gap, T, own["sampled_difference"], half, look.marker, look.color)
+    body.set(ylabel="reliability", ylim=(-0.03, 1.03))
     gap.set_ylabel("$R$ − $R_{independent}$")
-    tail.set_ylabel("failure probability")
+    tail.set(ylabel="failure probability", xlabel=threshold_label(frame))
     limit_pf(tail, [*frame["pf"], *frame["pf_independent"]], None)
-    tail.set_xlabel(threshold_label(frame))
     figure.align_ylabels(grid[:, 0])
     return figure

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from uqfold.plots.panels import GREY, key, legend_below
+from uqfold.plots.panels import beside, draw_intervals, key, legend_below, name_rows
 from uqfold.plots.rows import distinct, having, joined, response_of, value_text
-from uqfold.plots.style import COLUMN_INCHES, REFERENCE_LINE, figure_settings, method_styles
+from uqfold.plots.style import (
+    COLUMN_INCHES,
+    REFERENCE_LINE,
+    SOFT_COLOR,
+    figure_settings,
+    method_styles,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from uqfold.plots.rows import Frames
@@ -43,40 +46,42 @@ def design(table: Frames) -> Figure:
 
     frame = joined(table, NEEDS, "table")
     frame = frame.assign(case=case_texts(frame))
-    cases, labels = distinct(frame, "case"), distinct(frame, "label")
-    styles = method_styles(labels)
+    cases, styles = distinct(frame, "case"), method_styles(distinct(frame, "label"))
     size = (2.0 * COLUMN_INCHES, 1.1 + ROW_INCHES * len(cases))
     figure = Figure(figsize=size, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
-    for k, label in enumerate(labels):
-        own, look = having(frame, "label", label), styles[label]
-        shift = 0.0 if len(labels) == 1 else 0.5 * (k / (len(labels) - 1) - 0.5)
-        y = np.array([cases.index(case) for case in own["case"]]) + shift
-        left.hlines(y, own["low"], own["high"], color=look.color, linewidth=1.6)
-        left.plot(own["value"], y, look.marker, color=look.color, markerfacecolor="white")
-        for place, face, lift in (("value", "white", -0.12), ("safe", look.color, 0.12)):
+    for k, (label, look) in enumerate(styles.items()):
+        own = having(frame, "label", label)
+        y = own["case"].map(cases.index) + beside(k, len(styles))
+        draw_intervals(left, y, own["value"], own["low"], own["high"], look, hollow=True)
+        for place, lift in (("value", -0.12), ("safe", 0.12)):
             pf, low, high = (own[f"{place}_{name}"] for name in ("pf", "ci_low", "ci_high"))
-            right.hlines(y + lift, low, high, color=look.color, linewidth=1.2)
-            right.plot(pf, y + lift, look.marker, color=look.color, markerfacecolor=face)
+            draw_intervals(right, y + lift, pf, low, high, look, hollow=place == "value")
     for i, case in enumerate(cases):
         rows = having(frame, "case", case)
         if rows["value"].isna().all():
             left.annotate(
-                ", ".join(rows["status"].unique()), (0.02, i), va="center", color=GREY,
+                ", ".join(rows["status"].unique()), (0.02, i), va="center", color=SOFT_COLOR,
                 fontsize=8.5, xycoords=("axes fraction", "data"),
             )  # fmt: skip
-    _finish(left, right, frame, cases)
-    grey: Any = {"linestyle": "", "marker": "o", "color": GREY}
+    for axes in (left, right):
+        name_rows(axes, cases)
+    row = frame.iloc[0]
+    left.set_xlabel(f"{row['seek']} {row['parameter']} ({row['unit']})")
+    right.set_xlabel("pf of the real model")
+    for target in frame["target_pf"].unique():
+        right.axvline(target, **REFERENCE_LINE)
+    # long intervals of few failures do not squeeze the rest
+    right.set_xlim(0.0, 2.5 * float(frame["target_pf"].max()))
+    right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 2))
     handles = [
         key(f"{label}, 95 %", marker=look.marker, color=look.color, markerfacecolor="white")
         for label, look in styles.items()
     ]
-    handles += [
-        key("simulated at the value", markerfacecolor="white", **grey),
-        key("simulated at the safe value", **grey),
-        key("target", **REFERENCE_LINE),
-    ]
-    legend_below(figure, handles, 3)
+    for place, face in (("value", "white"), ("safe value", SOFT_COLOR)):
+        mark: Any = {"marker": "o", "color": SOFT_COLOR, "markerfacecolor": face}
+        handles.append(key(f"simulated at the {place}", linestyle="", **mark))
+    legend_below(figure, [*handles, key("target", **REFERENCE_LINE)], 3)
     return figure
 
 
@@ -93,18 +98,3 @@ def case_texts(frame: pd.DataFrame) -> list[str]:
         )
         for row in rows
     ]
-
-
-def _finish(left: Axes, right: Axes, frame: pd.DataFrame, cases: list[str]) -> None:
-    row = frame.iloc[0]
-    left.set_yticks(range(len(cases)), cases)
-    left.set_ylim(len(cases) - 0.5, -0.5)
-    left.set_xlabel(f"{row['seek']} {row['parameter']} ({row['unit']})")
-    right.set_xlabel("pf of the real model")
-    for target in frame["target_pf"].unique():
-        right.axvline(target, **REFERENCE_LINE)
-    # long intervals of few failures do not squeeze the rest
-    right.set_xlim(0.0, 2.5 * float(frame["target_pf"].max()))
-    right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 2))
-    for axes in (left, right):
-        axes.grid(visible=False, axis="y")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from uqfold.checks import instance
-from uqfold.plots.style import COLUMN_INCHES, figure_settings
+from uqfold.plots.style import COLUMN_INCHES, MethodStyle, figure_settings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,8 @@ LEGEND_ROW_INCHES = 0.17
 CLOSE: dict[str, float] = {"handlelength": 1.4, "handletextpad": 0.5, "columnspacing": 0.9}
 SMALLEST_PF = 1e-8
 """Failure probabilities below are not drawn unless a figure asks for them."""
-GREY = "#555555"
+HOLLOW: Any = {"markerfacecolor": "white", "markersize": 4.2, "markeredgewidth": 0.8}
+"""Marks with error bars."""
 
 
 @figure_settings()
@@ -77,15 +78,15 @@ def legend_below(figure: Figure, handles: Sequence[Any], columns: int) -> None:
     figure.set_figheight(figure.get_figheight() + LEGEND_ROW_INCHES * more)
 
 
-def axes_or_new(ax: Axes | None, height: float = 2.6) -> Axes:
-    """Return the axes, or those of a new figure as wide as a column of print."""
+def axes_or_new(ax: Axes | None, width: float = COLUMN_INCHES, height: float = 2.6) -> Axes:
+    """Return the axes, or those of a new figure, by default as wide as a column of print."""
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     if ax is not None:
         checked: Axes = instance("ax", ax, Axes, "give Axes of matplotlib")
         return checked
-    return Figure(figsize=(COLUMN_INCHES, height), layout="constrained").subplots()
+    return Figure(figsize=(width, height), layout="constrained").subplots()
 
 
 def key(label: str, **look: Any) -> Any:
@@ -93,6 +94,41 @@ def key(label: str, **look: Any) -> Any:
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=label, **look)
+
+
+def draw_bars(axes: Axes, x: Any, y: Any, bars: Any, marker: str, color: str) -> None:
+    """Draw hollow marks with error bars (n,), or (2, n): below and above."""
+    axes.errorbar(x, y, yerr=bars, fmt=marker, color=color, elinewidth=0.8, capsize=1.8,
+                  zorder=3.5, **HOLLOW)  # fmt: skip
+
+
+def draw_judged(axes: Axes, x: Any, errors: Any, hollow: Any, style: MethodStyle) -> None:
+    """Draw a curve of errors whose marks are hollow where the reference cannot judge them."""
+    axes.plot(x, errors, "-", color=style.color, linewidth=0.9)
+    for chosen, face in ((~hollow, style.color), (hollow, "white")):
+        axes.plot(x[chosen], errors[chosen], style.marker, color=style.color, markersize=3.6,
+                  markerfacecolor=face, markeredgewidth=0.9)  # fmt: skip
+
+
+def draw_intervals(
+    axes: Axes, y: Any, value: Any, low: Any, high: Any, style: MethodStyle, *, hollow: bool = False
+) -> None:
+    """Draw values (n,) with their intervals along x, in rows at y (n,)."""
+    axes.hlines(y, low, high, color=style.color, linewidth=1.2)
+    face = "white" if hollow else style.color
+    axes.plot(value, y, style.marker, color=style.color, markersize=4.5, markerfacecolor=face)
+
+
+def beside(k: int, count: int) -> float:
+    """Return how far the k-th of some marks in a row stands from its middle."""
+    return 0.0 if count == 1 else 0.5 * (k / (count - 1) - 0.5)
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Name rows from top to bottom: 0 is the first."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
 
 
 def limit_pf(axes: Axes, values: Iterable[float], smallest: float | None) -> None:
@@ -105,3 +141,12 @@ def limit_pf(axes: Axes, values: Iterable[float], smallest: float | None) -> Non
         lowest = min((value for value in values if value > 0.0), default=SMALLEST_PF)
         smallest = 10.0 ** np.floor(np.log10(max(lowest, SMALLEST_PF)) - 0.1)
     axes.set_ylim(smallest, 1.6)
+
+
+def limit_errors(axes: Axes, smallest: float, largest: float) -> None:
+    """Make an axis of relative errors logarithmic, with ticks in per cent."""
+    from matplotlib.ticker import NullFormatter
+
+    axes.set(yscale="log", ylim=(smallest, largest))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
+    axes.yaxis.set_minor_formatter(NullFormatter())

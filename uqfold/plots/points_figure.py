@@ -6,7 +6,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, get_args
 
 from uqfold.checks import choice, mapping, or_none, real, refused, text
-from uqfold.plots.style import BAND_COLOR, REFERENCE_LINE, figure_settings, method_styles
+from uqfold.plots.panels import axes_or_new
+from uqfold.plots.style import (
+    BAND_COLOR,
+    REFERENCE_LINE,
+    SOFT_COLOR,
+    figure_settings,
+    method_styles,
+)
 from uqfold.plots.telling import gid, tell
 
 if TYPE_CHECKING:
@@ -15,10 +22,9 @@ if TYPE_CHECKING:
 
 Log = Literal["", "x", "y", "xy"]
 REFERENCE = "reference"
-_LIMIT_COLOR = "#555555"
-_SIZE = (6.4, 3.6)
 
 
+@figure_settings()
 def points(
     frame: pd.DataFrame,
     x: str,
@@ -50,48 +56,36 @@ def points(
     matplotlib.axes.Axes
         The axes.
     """
-    from matplotlib.figure import Figure
-
     if not {"series", "x", "y"} <= set(getattr(frame, "columns", ())):
         raise refused("frame", frame, "give a DataFrame with columns series, x and y", TypeError)
-    if ax is not None and not hasattr(ax, "errorbar"):
-        raise refused("ax", ax, "give axes of matplotlib, or None", TypeError)
     text("x", x)
     text("y", y)
     choice("log", log, get_args(Log))
     or_none("limits", limits, mapping, real)
-    with figure_settings():
-        axes = Figure(figsize=_SIZE, layout="constrained").add_subplot() if ax is None else ax
-        labels = list(dict.fromkeys(frame["series"]))
-        styles = method_styles(label for label in labels if label != REFERENCE)
-        for label in labels:
-            own = frame[frame["series"] == label].sort_values("x")
-            bars = "low" in own and bool(own["low"].notna().any())
-            belongs = gid(series=label)
-            if label == REFERENCE:
-                if bars:
-                    band = axes.fill_between(own["x"], own["low"], own["high"], color=BAND_COLOR)
-                    tell(band, belongs)
-                tell(axes.plot(own["x"], own["y"], label=label, **REFERENCE_LINE), belongs)
-                continue
-            style = styles[label]
-            if bars:
-                ends = axes.vlines(own["x"], own["low"], own["high"], color=style.color)
-                tell(ends, belongs)
-            drawn = axes.plot(
-                own["x"], own["y"], style.marker, color=style.color, label=label, alpha=0.8
-            )
-            tell(drawn, belongs)
-        for label, at in (limits or {}).items():
-            axes.axhline(at, color=_LIMIT_COLOR, linewidth=0.8, linestyle=":")
-            if not label.startswith("-"):
-                axes.annotate(
-                    label, (1.0, at), xycoords=("axes fraction", "data"), ha="right", va="bottom",
-                    color=_LIMIT_COLOR,
-                )  # fmt: skip
-        for side in log:
-            axes.set(**{f"{side}scale": "log"})
-        axes.set(xlabel=x, ylabel=y)
-        if len(labels) > 1:
-            axes.legend()
-        return axes
+    axes = axes_or_new(ax, 6.4, 3.6)
+    labels = frame["series"].unique()
+    styles = method_styles(label for label in labels if label != REFERENCE)
+    for label, rows in frame.groupby("series", sort=False):
+        own, belongs = rows.sort_values("x"), gid(series=label)
+        ends = [own["x"], own["low"], own["high"]] if "low" in own else []
+        if label == REFERENCE:
+            if ends:
+                tell(axes.fill_between(*ends, color=BAND_COLOR), belongs)
+            tell(axes.plot(own["x"], own["y"], label=label, **REFERENCE_LINE), belongs)
+            continue
+        color, marker = styles[label].color, styles[label].marker
+        if ends:
+            tell(axes.vlines(*ends, color=color), belongs)
+        drawn = axes.plot(own["x"], own["y"], marker, color=color, label=label, alpha=0.8)
+        tell(drawn, belongs)
+    for label, at in (limits or {}).items():
+        axes.axhline(at, color=SOFT_COLOR, linewidth=0.8, linestyle=":")
+        if not label.startswith("-"):
+            axes.annotate(label, (1.0, at), xycoords=("axes fraction", "data"), ha="right",
+                          va="bottom", color=SOFT_COLOR)  # fmt: skip
+    for side in log:
+        axes.set(**{f"{side}scale": "log"})
+    axes.set(xlabel=x, ylabel=y)
+    if len(labels) > 1:
+        axes.legend()
+    return axes

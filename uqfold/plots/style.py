@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import listed, several, text
+from uqfold.checks import several, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,8 +50,7 @@ _FIXED = {
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#E69F00", "v"),
 }
-# in records of version 0.1.0
-_FIXED["ak-mcs"] = _FIXED["active-kriging"]
+"""Their colours and markers."""
 FURTHER_STYLES = (
     MethodStyle("#5D3A9B", ">"),
     MethodStyle("#117733", "p"),
@@ -105,49 +104,46 @@ def figure_settings() -> Iterator[None]:
         yield
 
 
-def _turned(turn: int) -> Iterator[MethodStyle]:
-    """Return the further styles with their markers passed on by so many places."""
-    for i, style in enumerate(FURTHER_STYLES):
-        yield MethodStyle(style.color, FURTHER_STYLES[(i + turn) % len(FURTHER_STYLES)].marker)
-
-
 def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     """Return the colour and marker of each label.
 
     The built-in methods always have theirs; other labels take the further ones in turn, in the
     order given, and then the same colours with other markers.
     """
-    further = (style for turn in count() for style in _turned(turn))
-    given = list(labels) if isinstance(labels, Mapping) else listed("labels", labels)
-    return {label: _FIXED.get(label) or next(further) for label in several("labels", given, text)}
+    names = several("labels", list(labels) if isinstance(labels, Mapping) else labels, text)
+    number = len(FURTHER_STYLES)
+    further = (
+        MethodStyle(FURTHER_STYLES[i % number].color,
+                    FURTHER_STYLES[(i + i // number) % number].marker)
+        for i in count()
+    )  # fmt: skip
+    return {name: _FIXED.get(name) or next(further) for name in names}
 
 
-def shades(style: MethodStyle, count: int, *, own_markers: bool) -> list[MethodStyle]:
+def shades(style: MethodStyle, number: int, *, own_markers: bool) -> list[MethodStyle]:
     """Return several curves of one method their looks: its colour from dark to light.
 
     Parameters
     ----------
     style
         The method's own.
-    count
+    number
         How many curves.
     own_markers
         Whether each has another marker; otherwise all have the method's.
     """
-    from matplotlib.colors import to_hex, to_rgb
+    from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 
-    if count == 1:
+    if number == 1:
         return [style]
-    looks = []
-    for i in range(count):
-        # -1 darkest, +1 lightest
-        level = 2.0 * i / (count - 1) - 1.0
-        target, weight = (1.0, 0.5 * level) if level > 0.0 else (0.0, -0.55 * level)
-        red, green, blue = (part + weight * (target - part) for part in to_rgb(style.color))
-        color = to_hex((red, green, blue))
-        marker = _CURVE_MARKERS[i % len(_CURVE_MARKERS)] if own_markers else style.marker
-        looks.append(MethodStyle(color, marker))
-    return looks
+    color = to_rgb(style.color)
+    dark, light = [0.45 * part for part in color], [0.5 + 0.5 * part for part in color]
+    tones = LinearSegmentedColormap.from_list("tones", [dark, color, light])
+    markers = _CURVE_MARKERS if own_markers else style.marker
+    return [
+        MethodStyle(to_hex(tones(i / (number - 1))), markers[i % len(markers)])
+        for i in range(number)
+    ]
 
 
 def logarithmic(axes: Axes, side: str, low: float, high: float) -> None:
