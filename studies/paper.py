@@ -1,7 +1,7 @@
 """What the examples of the paper share: conditions, grids, and the tables of their reports."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import pandas as pd
@@ -9,6 +9,7 @@ from runner import Run
 
 import uqfold
 from uqfold import criteria, plots
+from uqfold.report import Page
 
 FLOWN = uqfold.Binomial(10, 0.7)
 """Ten planned missions, each flown with probability 0.7: Examples 4 and 5."""
@@ -20,6 +21,11 @@ SIMULATION = uqfold.methods.ConditionalMonteCarlo(blocks=96)
 CHECKED = {**FFNI, "simulation": SIMULATION}
 TAU = [0.03, 0.035, 0.04, 0.045, 0.05]
 """Synchronization thresholds (s) of Examples 4 and 5."""
+PAIRED = (
+    "The difference is that of paired runs, with a band of two standard errors: a ten-thousandth, "
+    "far too small for the curves above and for the simulation."
+)
+Options = Callable[[Run, tuple[int, int], bool], dict[str, Any]]
 SYMBOLS = {"V_q": "V_q", "delta": r"\delta", "b": "b", "k_d": "k_d", "C_r": "C_r"}
 UNITS = {"V_q": " m/s", "delta": "°", "b": " mm", "k_d": " N", "C_r": " mm"}
 
@@ -62,6 +68,31 @@ def steps(start: float, stop: float, step: float) -> list[float]:
     return [round(start + i * step, 6) for i in range(count)]
 
 
+def accuracy_figures(page: Page, run: Run, number: int, branch: str = "") -> None:
+    """Add parts (a) to (e) of Fig. 12 or 14: curves beside simulation, and their errors."""
+    tail, words = (f"-{branch}", f", {branch} linkage") if branch else ("", "")
+    without, simulated = f"no-sync{tail}", f"mc-no-sync{tail}"
+    several = run.rows(without, simulated, missions=["2", "3", "5", "8", "10"])
+    tau = {"curves": "tau", "panels": "missions"}
+    error: dict[str, Any] = {"quantities": ["error"]}
+    for letter, title, rows, options in (
+        ("a", "one mission, without synchronization",
+         run.rows(without, simulated, missions="1"), {}),
+        ("b", "several missions, without synchronization",
+         several, {"curves": "missions", "check": "mc"}),
+        ("c", "two and five missions, with synchronization",
+         run.rows(f"sync{tail}", f"mc-sync{tail}"), {**tau, "check": "mc"}),
+        ("d", "error without synchronization", run.rows(without), {**error, "curves": "missions"}),
+        ("e", "error with synchronization", run.rows(f"sync{tail}"), {**error, **tau}),
+    ):  # fmt: skip
+        page.figure(
+            plots.reliability_panels(rows, **options),
+            f"Fig. {number}({letter}): {title}{words}",
+            "The smallest error drawn stands for all that are smaller." if letter in "de" else "",
+            name=f"fig-{number}{letter}{tail}",
+        )
+
+
 def answer_pair(
     run: Run, numbers: tuple[int, int], T: Sequence[float], few: Sequence[float], one: float
 ) -> None:
@@ -89,21 +120,40 @@ def answer_pair(
         run.compare(f"{name}-check", problems, simulation, grid)
 
 
-def pair_panels(run: Run, numbers: tuple[int, int], sync: bool, **options: Any) -> Any:
-    """Draw two conditions against each other, with the simulation as marks."""
-    name = CONDITIONS[numbers[0]][0]
-    tau, missions = (TAU, str(FLOWN)) if sync else (None, ["2", "5", "8", "10"])
-    tables = (f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check")
-    rows = run.rows(*tables, tau=tau, missions=missions)
-    names = []
-    for number in numbers:
-        _, moment, value = CONDITIONS[number]
+def pair_figures(
+    page: Page, run: Run, number: int, pairs: Iterable[tuple[int, int]], options: Options
+) -> None:
+    """Add Fig. 16 or 17: two conditions against each other, with the simulation as marks.
+
+    Parameters
+    ----------
+    options
+        Function that returns, for two conditions without or with synchronization, what
+        `plots.reliability_panels` is to be told besides.
+    """
+    letters = iter("abcdefghij")
+    for pair in pairs:
+        name, moment, _ = CONDITIONS[pair[0]]
         short = "mean" if moment == "mean" else "std. dev."
-        names.append(f"{number}: {short} of ${SYMBOLS[name]}$ {value:g}{UNITS[name]}")
-    return plots.reliability_panels(
-        rows, curves="tau" if sync else "missions", check="simulation", names=names,
-        smallest_pf=None if sync else 1e-6, **options,
-    )  # fmt: skip
+        legend = [
+            f"{one}: {short} of ${SYMBOLS[name]}$ {CONDITIONS[one][2]:g}{UNITS[name]}"
+            for one in pair
+        ]
+        for sync in (False, True):
+            letter, words = next(letters), "without synchronization"
+            chosen: dict[str, Any] = {"tau": None, "missions": ["2", "5", "8", "10"]}
+            look: dict[str, Any] = {"curves": "missions", "smallest_pf": 1e-6}
+            if sync:
+                words = "with synchronization and a random number of missions"
+                chosen, look = {"tau": TAU, "missions": str(FLOWN)}, {"curves": "tau"}
+            rows = run.rows(f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check", **chosen)
+            more = options(run, pair, sync)
+            page.figure(
+                plots.reliability_panels(rows, check="simulation", names=legend, **look, **more),
+                f"Fig. {number}({letter}): conditions {pair[0]} and {pair[1]}, {words}",
+                PAIRED if "paired" in more else "",
+                name=f"fig-{number}{letter}",
+            )
 
 
 def inputs_table(run: Run, problem: str) -> pd.DataFrame:

@@ -771,9 +771,6 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "problems.ReferenceTable.lookup": Call(references.lookup, {"criterion": thing(criterion)}),
-        "plots.benchmark": Call(
-            plots.benchmark, {"summary": thing(summary), "ax": optional(thing(axes))}
-        ),
         "plots.benchmark_panels": Call(
             plots.benchmark_panels, {"summary": thing(summary), "decades": thing([-2])}
         ),
@@ -787,15 +784,6 @@ def calls(folder: Path) -> dict[str, Call]:
         "plots.design": Call(plots.design, {"table": thing(designs)}),
         "plots.figure_settings": Call(plots.figure_settings, {}),
         "plots.independence_panels": Call(plots.independence_panels, {"table": thing(separate)}),
-        "plots.reliability": Call(
-            plots.reliability,
-            {
-                "frame": thing(frame),
-                "quantity": choice("pf"),
-                "ax": optional(thing(axes)),
-                **curve_options,
-            },
-        ),
         "plots.reliability_panels": Call(
             plots.reliability_panels,
             {

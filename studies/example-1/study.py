@@ -16,10 +16,10 @@ import sys
 from pathlib import Path
 
 import uqfold
-from uqfold import criteria, plots
+from uqfold import criteria
 
 sys.path.append(str(Path(__file__).parents[1]))
-from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
+from paper import FFNI, accuracy_figures, errors_table, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-6, 1e-12)
@@ -56,41 +56,11 @@ def page(run: Run) -> "uqfold.report.Page":
         errors_table(run, *NAMES),
         "Errors by decade of the failure probability",
         "All criteria of the figures. The saddlepoint approximation has four cumulants to tell the "
-        "tail from; the errors of Monte Carlo are those of its sample.",
+        "tail from; the errors of Monte Carlo are those of its sample. On the plateau under "
+        "synchronization T no longer matters: pf is that of tau alone.",
     )
     page.section("Figures")
-    without, several = ("no-sync", "mc-no-sync"), ["2", "3", "5", "8", "10"]
-    page.figure(
-        plots.reliability_panels(run.rows(*without, missions="1")),
-        "Fig. 12(a): one mission, without synchronization",
-        name="fig-12a",
-    )
-    page.figure(
-        plots.reliability_panels(
-            run.rows(*without, missions=several), curves="missions", check="mc"
-        ),
-        "Fig. 12(b): several missions, without synchronization",
-        name="fig-12b",
-    )
-    page.figure(
-        plots.reliability_panels(
-            run.rows("sync", "mc-sync"), curves="tau", panels="missions", check="mc"
-        ),
-        "Fig. 12(c): two and five missions, with synchronization",
-        name="fig-12c",
-    )
-    page.figure(
-        plots.reliability_panels(run.rows("no-sync"), ["error"], curves="missions"),
-        "Fig. 12(d): error without synchronization",
-        "Against the exact reference; the smallest error drawn stands for all that are smaller.",
-        name="fig-12d",
-    )
-    page.figure(
-        plots.reliability_panels(run.rows("sync"), ["error"], curves="tau", panels="missions"),
-        "Fig. 12(e): error with synchronization",
-        "On the plateau at the right T no longer matters: pf is that of tau alone.",
-        name="fig-12e",
-    )
+    accuracy_figures(page, run, 12)
     return finish(page, run, METHODS)
 
 

@@ -21,10 +21,10 @@ import sys
 from pathlib import Path
 
 import uqfold
-from uqfold import criteria, plots
+from uqfold import criteria
 
 sys.path.append(str(Path(__file__).parents[1]))
-from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
+from paper import FFNI, accuracy_figures, errors_table, evaluations_table, inputs_table, steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-6, 1e-12)
@@ -32,7 +32,11 @@ TOLERANCE = (1e-6, 1e-12)
 METHODS = {**FFNI, "mc": uqfold.methods.MonteCarlo()}
 BRANCHES = {"open": (98, 106), "crossed": (-144, -135)}
 """Branch -> range of T (deg)."""
-NAMES = [f"{kind}-{branch}" for branch in BRANCHES for kind in ("no-sync", "sync", "mc", "mc-sync")]
+NAMES = [
+    f"{kind}-{branch}"
+    for branch in BRANCHES
+    for kind in ("no-sync", "sync", "mc-no-sync", "mc-sync")
+]
 
 
 def tables(run: Run) -> None:
@@ -51,7 +55,7 @@ def tables(run: Run) -> None:
         T = run.choose(steps(low, high, 0.5), few[:2])
         run.compare(f"sync-{branch}", one, pearson, criteria(T, tau, [2, 5]))
         T = run.choose(steps(low, high, 1), few[:2])
-        run.compare(f"mc-{branch}", one, mc, criteria(T, None, [1, 2, 5, 10]), budget)
+        run.compare(f"mc-no-sync-{branch}", one, mc, criteria(T, None, [1, 2, 5, 10]), budget)
         run.compare(f"mc-sync-{branch}", one, mc, criteria(T, tau, [2, 5]), budget)
 
 
@@ -63,37 +67,9 @@ def page(run: Run) -> "uqfold.report.Page":
     page.table(evaluations_table(run, *NAMES), "Table 5: evaluations of the model")
     page.table(errors_table(run, *NAMES), "Errors by decade of the failure probability")
     page.section("Figures")
-    for letter, title in (
-        ("a", "one mission, without synchronization"),
-        ("b", "several missions, without synchronization"),
-        ("c", "two and five missions, with synchronization"),
-        ("d", "error without synchronization"),
-        ("e", "error with synchronization"),
-    ):
-        for branch in BRANCHES:
-            page.figure(
-                figure(run, letter, branch),
-                f"Fig. 14({letter}): {title}, {branch} linkage",
-                name=f"fig-14{letter}-{branch}",
-            )
+    for branch in BRANCHES:
+        accuracy_figures(page, run, 14, branch)
     return finish(page, run, METHODS)
-
-
-def figure(run: Run, letter: str, branch: str) -> "uqfold.plots.Figure":
-    """Draw one part of Fig. 14."""
-    without = (f"no-sync-{branch}", f"mc-{branch}")
-    synchronized = {"curves": "tau", "panels": "missions"}
-    if letter == "a":
-        return plots.reliability_panels(run.rows(*without, missions="1"))
-    if letter == "b":
-        rows = run.rows(*without, missions=["2", "3", "5", "8", "10"])
-        return plots.reliability_panels(rows, curves="missions", check="mc")
-    if letter == "c":
-        rows = run.rows(f"sync-{branch}", f"mc-sync-{branch}")
-        return plots.reliability_panels(rows, check="mc", **synchronized)
-    if letter == "d":
-        return plots.reliability_panels(run.rows(without[0]), ["error"], curves="missions")
-    return plots.reliability_panels(run.rows(f"sync-{branch}"), ["error"], **synchronized)
 
 
 if __name__ == "__main__":

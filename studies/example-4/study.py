@@ -122,20 +122,14 @@ def page(run: Run) -> "uqfold.report.Page":
         "Evaluations of each method",
     )
     page.section("Figures")
-    letters = iter("abcdefghij")
-    for numbers in PAIRS:
-        parts = ["reliability", "pf", *(["difference"] if numbers == (9, 10) else [])]
-        for sync, words in (
-            (False, "without synchronization"),
-            (True, "with synchronization and a random number of missions"),
-        ):
-            letter = next(letters)
-            page.figure(
-                paper.pair_panels(run, numbers, sync, quantities=parts),
-                f"Fig. 16({letter}): conditions {numbers[0]} and {numbers[1]}, {words}",
-                name=f"fig-16{letter}",
-            )
+    paper.pair_figures(page, run, 16, PAIRS, parts)
     return finish(page, run, paper.CHECKED)
+
+
+def parts(run: Run, pair: tuple[int, int], sync: bool) -> dict[str, Any]:
+    """Return what is drawn of two conditions: of the last, also how little they differ."""
+    difference = ["difference"] if pair == (9, 10) else []
+    return {"quantities": ["reliability", "pf", *difference]}
 
 
 if __name__ == "__main__":

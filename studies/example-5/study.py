@@ -20,6 +20,7 @@ mirrored clearances instead (`uqfold.analysis.paired_differences`, 8,000 draws o
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import uqfold
 from uqfold import criteria
@@ -74,27 +75,16 @@ def page(run: Run) -> "uqfold.report.Page":
         "Evaluations of each method",
     )
     page.section("Figures")
-    letters = iter("abcdefghij")
-    for numbers in PAIRS:
-        for sync, words in (
-            (False, "without synchronization"),
-            (True, "with synchronization and a random number of missions"),
-        ):
-            letter = next(letters)
-            options, caption = {"quantities": ["reliability", "pf", "difference"]}, ""
-            if numbers == (19, 20):
-                options["paired"] = run.rows("C_r-sync-paired" if sync else "C_r-paired")
-                caption = (
-                    "The difference is that of paired runs, with a band of two standard errors: "
-                    "a ten-thousandth, far too small for the curves above and for the simulation."
-                )
-            page.figure(
-                paper.pair_panels(run, numbers, sync, **options),
-                f"Fig. 17({letter}): conditions {numbers[0]} and {numbers[1]}, {words}",
-                caption,
-                name=f"fig-17{letter}",
-            )
+    paper.pair_figures(page, run, 17, PAIRS, parts)
     return finish(page, run, paper.CHECKED)
+
+
+def parts(run: Run, pair: tuple[int, int], sync: bool) -> dict[str, Any]:
+    """Return what is drawn of two conditions: of the last, the difference of paired runs."""
+    options: dict[str, Any] = {"quantities": ["reliability", "pf", "difference"]}
+    if pair == (19, 20):
+        options["paired"] = run.rows("C_r-sync-paired" if sync else "C_r-paired")
+    return options
 
 
 if __name__ == "__main__":

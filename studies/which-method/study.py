@@ -73,7 +73,7 @@ ROWS = [
 
 
 def tables(run: Run) -> None:
-    """Ask every method on every problem, with every budget and seed; time them on one."""
+    """Ask every method on every problem, with every budget and seed."""
     run.problems(PROBLEMS)
     groups = [
         (SIMPLE, [100, 375, 1125, 10_000], 20), (SURROGATES, [100, 375], 10),
@@ -92,20 +92,6 @@ def tables(run: Run) -> None:
     run.keep("summary", benchmark_summary(answers, units))
     statuses = answers.groupby(["label", "max_evals", "status"], sort=False).size()
     run.keep("statuses", statuses.unstack(fill_value=0).reset_index())
-    run.keep("timing", timing(run))
-
-
-def timing(run: Run) -> pd.DataFrame:
-    """Return the wall time of every method on Example 1, whose model costs nothing."""
-    grid = criteria(GRIDS["series"][0], [None, 16])
-    rows = []
-    for label in run.choose([one for one in METHODS if "fine" not in one], ["mc", "ffni-spa"]):
-        for budget in (100, 375):
-            result = METHODS[label].estimate(PROBLEMS["series"], grid, max_evals=budget, rng=0)
-            known = any(not math.isnan(row.pf) for row in result)
-            seconds = result.seconds if known else math.nan
-            rows.append(("series", label, float(budget), result.n_evals, seconds))
-    return pd.DataFrame(rows, columns=["problem", "label", "max_evals", "n_evals", "seconds"])
 
 
 def page(run: Run) -> "uqfold.report.Page":
@@ -127,13 +113,6 @@ def page(run: Run) -> "uqfold.report.Page":
         "above, the method is too sure of itself.",
     )
     page.table(run.rows("statuses"), "What the methods say of their own answers")
-    seconds = run.rows("timing").pivot(index="label", columns="max_evals", values="seconds")
-    page.table(
-        seconds.add_suffix(" evaluations, s").reset_index(),
-        "Wall time on Example 1, whose model costs nothing",
-        "One estimate of twelve criteria, on a machine that was busy with other work: an order of "
-        "magnitude.",
-    )
     page.section("Figures")
     for synchronized, decades in ((False, [-2, -4, -6]), (True, [-2, -3, -4])):
         words = "with synchronization" if synchronized else "without synchronization"

@@ -148,7 +148,7 @@ def plain(frame: pd.DataFrame, *labels: str) -> pd.DataFrame:
 
 def test_curve_and_reference_of_a_comparison(frame: pd.DataFrame) -> None:
     own = plain(frame, "ffni-spa")
-    axes = plots.reliability(own, "pf")
+    axes = plots.reliability_panels(own, ["pf"]).axes[0]
     drawn = {line.get_linestyle(): line for line in axes.get_lines()}
     assert list(drawn["-"].get_xdata()) == list(own["threshold"])
     np.testing.assert_allclose(drawn["-"].get_ydata(), own["pf"])
@@ -160,7 +160,7 @@ def test_curve_and_reference_of_a_comparison(frame: pd.DataFrame) -> None:
 
 def test_estimates_that_nobody_calls_a_check_have_their_intervals(frame: pd.DataFrame) -> None:
     own = plain(frame, "mc")
-    axes = plots.reliability(own, "pf")
+    axes = plots.reliability_panels(own, ["pf"]).axes[0]
     (bars,) = [one for one in axes.collections if isinstance(one, LineCollection)]
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     np.testing.assert_allclose(ends, own[["ci_low", "ci_high"]])
@@ -169,7 +169,8 @@ def test_estimates_that_nobody_calls_a_check_have_their_intervals(frame: pd.Data
 def test_a_label_of_its_own_keeps_the_colour_of_its_method(frame: pd.DataFrame) -> None:
     both = plain(frame, "ffni-spa", "mc")
     renamed = both.assign(label=both["label"].replace("ffni-spa", "fine"))
-    colours = [plots.reliability(one).get_lines()[1].get_color() for one in (both, renamed)]
+    drawn = [plots.reliability_panels(one).axes[0] for one in (both, renamed)]
+    colours = [axes.get_lines()[1].get_color() for axes in drawn]
     assert colours[0] == colours[1]
 
 
@@ -184,7 +185,11 @@ def test_errors_that_the_reference_cannot_judge_are_hollow(frame: pd.DataFrame) 
     own = plain(frame, "ffni-spa").copy()
     # a reference with an error of its own, larger than that of two of four estimates
     own["reference_std_error"] = np.where(own["threshold"] < 1.0, own["reference_pf"], 0.0)
-    marked = [one for one in plots.reliability(own, "error").get_lines() if one.get_marker() == "o"]
+    marked = [
+        one
+        for one in plots.reliability_panels(own, ["error"]).axes[0].get_lines()
+        if one.get_marker() == "o"
+    ]
     sizes = {str(line.get_markerfacecolor()): len(line.get_xdata()) for line in marked}
     assert sizes["white"] == 2
     assert sum(sizes.values()) == 4

@@ -1,6 +1,6 @@
-from uqfold.plots.budgets import benchmark as benchmark, benchmark_panels as benchmark_panels
+from uqfold.plots.budgets import benchmark_panels as benchmark_panels
 from uqfold.plots.comparison_figure import comparison as comparison
-from uqfold.plots.curves import reliability as reliability, reliability_panels as reliability_panels
+from uqfold.plots.curves import reliability_panels as reliability_panels
 from uqfold.plots.dependence import independence_panels as independence_panels
 from uqfold.plots.designs import design as design
 from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations

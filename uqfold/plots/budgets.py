@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import refused, several, whole
-from uqfold.plots.panels import axes_or_new, draw_judged, key, legend_below, limit_errors
+from uqfold.plots.panels import draw_judged, key, legend_below, limit_errors
 from uqfold.plots.rows import distinct, having, joined
-from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles
+from uqfold.plots.style import SOFT_COLOR, MethodStyle, figure_settings, method_styles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,47 +24,13 @@ NEEDS = ("label", "problem", "decade", "answers", "n_evals", "rms", "monte_carlo
 
 
 @figure_settings()
-def benchmark(summary: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw the root mean square error of pf over evaluations, one curve per method.
-
-    Parameters
-    ----------
-    summary
-        Rows of `uqfold.comparison.benchmark_summary` of one problem and one decade of pf. A column
-        ``method`` with the registered name gives the colours; without it the labels do.
-    ax
-        Where to draw; None makes a figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    frame = joined(summary, NEEDS, "summary").sort_values("n_evals")
-    axes = axes_or_new(ax)
-    column = "method" if "method" in frame else "label"
-    axes.set(xscale="log", xlim=(20, 20_000))
-    limit_errors(axes, _SMALLEST, _LARGEST)
-    axes.xaxis.set_major_formatter(
-        lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
-    )
-    axes.plot(frame["n_evals"], frame["monte_carlo_rms"], **EXPECTED)
-    for name, look in method_styles(distinct(frame, column)).items():
-        own = having(frame, column, name)
-        # a budget that buys no further run buys no further point
-        own = own[own["answers"] > 0].drop_duplicates("n_evals", keep="last")
-        errors = own["rms"].clip(_SMALLEST, _LARGEST)
-        draw_judged(axes, own["n_evals"], errors, ~own["judged"].astype(bool), look)
-    return axes
-
-
-@figure_settings()
 def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     """Draw errors over evaluations: decades of pf below each other, problems side by side.
 
     Parameters
     ----------
     summary
-        As in `benchmark`, of several problems and decades; all with or all without tau.
+        Rows of `uqfold.comparison.benchmark_summary`; all with or all without tau.
     decades
         Exponents d of the decades to draw, 10^d < reference <= 10^(d + 1).
 
@@ -81,7 +47,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     if frame.empty:
         raise refused("decades", decades, "no reference lies in them")
     problems = distinct(frame, "problem")
-    styles = method_styles(distinct(frame, "method" if "method" in frame else "label"))
+    styles = method_styles(distinct(frame, "label"))
     size = (WIDTH_INCHES, ROW_INCHES * len(decades) + 1.0)
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.subplots(len(decades), len(problems), squeeze=False, sharex=True, sharey=True)
@@ -93,7 +59,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
                     0.5, 0.5, "not asked", transform=axes.transAxes, ha="center", color=SOFT_COLOR
                 )
             else:
-                benchmark(own, axes)
+                _errors(axes, own, styles)
         row[0].set_ylabel(f"pf 1e{decade} to 1e{decade + 1}")
     for axes, problem in zip(grid[0], problems, strict=True):
         axes.set_title(problem)
@@ -109,3 +75,20 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
         )  # fmt: skip
     legend_below(figure, handles, 4)
     return figure
+
+
+def _errors(axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, MethodStyle]) -> None:
+    """Draw the curves of all methods on one problem, in one decade."""
+    frame = rows.sort_values("n_evals")
+    axes.set(xscale="log", xlim=(20, 20_000))
+    limit_errors(axes, _SMALLEST, _LARGEST)
+    axes.xaxis.set_major_formatter(
+        lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
+    )
+    axes.plot(frame["n_evals"], frame["monte_carlo_rms"], **EXPECTED)
+    for name, look in styles.items():
+        own = having(frame, "label", name)
+        # a budget that buys no further run buys no further point
+        own = own[own["answers"] > 0].drop_duplicates("n_evals", keep="last")
+        errors = own["rms"].clip(_SMALLEST, _LARGEST)
+        draw_judged(axes, own["n_evals"], errors, ~own["judged"].astype(bool), look)

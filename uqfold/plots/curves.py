@@ -15,7 +15,6 @@ import numpy as np
 from uqfold.checks import choice, instance, listed, or_none, real, refused, several, text
 from uqfold.plots.panels import (
     HOLLOW,
-    axes_or_new,
     draw_bars,
     draw_judged,
     key,
@@ -82,58 +81,6 @@ class _Line:
 
 
 @figure_settings()
-def reliability(
-    frame: Frames,
-    quantity: Quantity = "reliability",
-    *,
-    curves: str | None = None,
-    check: str | None = None,
-    paired: pd.DataFrame | None = None,
-    smallest_pf: float | None = None,
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw one quantity over the threshold T.
-
-    Parameters
-    ----------
-    frame
-        What `uqfold.compare` returned, or several of these; of one problem, or of two.
-    quantity
-        ``reliability``; ``pf`` on a logarithmic axis; ``error`` of Eq. (49) against the
-        reference, hollow where the reference cannot judge it; or ``difference`` of R of the first
-        of two problems less that of the second.
-    curves
-        Column whose values are curves of their own: ``missions`` or ``tau``.
-    check
-        Label of a method (a simulation) drawn as marks with its intervals.
-    paired
-        Rows of `uqfold.analysis.paired_differences`, drawn as the difference with a band of two
-        standard errors in place of that of the curves.
-    smallest_pf
-        Lower end of the axis of pf; None: that of what is drawn.
-    ax
-        Where to draw; None makes a figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    ValueError
-        If there is nothing to draw, or a difference is not of two problems.
-    """
-    choice("quantity", quantity, LABELS)
-    whole, lines = _lines(frame, curves, check, paired, smallest_pf)
-    axes = axes_or_new(ax)
-    _draw(axes, lines, quantity, curves, paired)
-    _limit(axes, whole, quantity, smallest_pf)
-    axes.set(xlabel=threshold_label(whole), ylabel=LABELS[quantity])
-    axes.legend(handles=list(_handles(whole, lines, [quantity], curves, None)))
-    return axes
-
-
-@figure_settings()
 def reliability_panels(
     frame: Frames,
     quantities: Sequence[Quantity] = ("reliability", "pf"),
@@ -149,18 +96,34 @@ def reliability_panels(
 
     Parameters
     ----------
-    frame, curves, check, paired, smallest_pf
-        As in `reliability`.
+    frame
+        What `uqfold.compare` returned, or several of these; of one problem, or of two.
     quantities
-        What to draw, from top to bottom.
+        What to draw, from top to bottom: ``reliability``; ``pf`` on a logarithmic axis; ``error``
+        of Eq. (49) against the reference, hollow where the reference cannot judge it;
+        ``difference`` of R of the first of two problems less that of the second.
+    curves
+        Column whose values are curves of their own: ``missions`` or ``tau``.
     panels
         Column whose values are panels side by side.
+    check
+        Label of a method (a simulation) drawn as marks with its intervals.
+    paired
+        Rows of `uqfold.analysis.paired_differences`, drawn as the difference with a band of two
+        standard errors in place of that of the curves.
     names
         What the legend calls two problems; None: their names.
+    smallest_pf
+        Lower end of the axis of pf; None: that of what is drawn.
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to draw, or a difference is not of two problems.
     """
     if not listed("quantities", quantities):
         raise refused("quantities", quantities, "give one or more")
