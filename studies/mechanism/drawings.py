@@ -1,12 +1,11 @@
 """Drawings of one folding wing: poses, joints, and the deployment as an animated picture."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
@@ -62,26 +61,35 @@ def poses(table: pd.DataFrame, times: Sequence[float] = (0.0, 0.2, 0.3, 0.4, 0.4
 
 def forces(table: pd.DataFrame) -> Figure:
     """Draw the normal forces of both joints: first impacts, and the whole motion."""
-    highest = max(table[f"normal_force_{joint}"].max() for joint, *_ in JOINTS)
-
-    def draw(axes: Axes, joint: str, look: Mapping[str, Any]) -> None:
-        # without contact there is no force: the curve leaves the axis
-        force = np.maximum(table[f"normal_force_{joint}"], 0.1 * LEAST_FORCE)
-        axes.plot(table["time"], force, **look)
-        axes.set_yscale("log")
-        axes.set_ylim(LEAST_FORCE, 2.0 * highest)
-
-    return _joint_panels(table, "normal force (N)", draw)
+    columns = [f"normal_force_{joint}" for joint, *_ in JOINTS]
+    # without contact there is no force: the curve leaves the axis
+    values = table[columns].clip(lower=0.1 * LEAST_FORCE)
+    limits = (LEAST_FORCE, 2.0 * values.max(axis=None))
+    return joint_panels(table["time"], values, "normal force (N)", yscale="log", ylim=limits)
 
 
 def penetrations(table: pd.DataFrame) -> Figure:
     """Draw the penetrations of both joints: first impacts, and the whole motion."""
+    values = 1e3 * table[[f"penetration_{joint}" for joint, *_ in JOINTS]]
+    figure = joint_panels(table["time"], values, "penetration (mm)\nabove 0 in contact")
+    for axes in figure.axes:
+        axes.axhline(0.0, color="black", linewidth=0.6, zorder=0.5)
+    return figure
 
-    def draw(axes: Axes, joint: str, look: Mapping[str, Any]) -> None:
-        axes.axhline(0.0, color="black", linewidth=0.6)
-        axes.plot(table["time"], 1e3 * table[f"penetration_{joint}"], **look)
 
-    return _joint_panels(table, "penetration (mm)\nabove 0 in contact", draw)
+def joint_panels(time: pd.Series, values: pd.DataFrame, label: str, **settings: Any) -> Figure:
+    """Draw one row of panels per joint, a column of `values` each: impacts, and whole motion."""
+    figure = Figure(figsize=(8.0, 4.6), layout="constrained")
+    grid = figure.subplots(2, 2, sharey=True)
+    stretches = ((FIRST_IMPACTS, "first impacts", 1.0), ((0.0, time.max()), "whole motion", 0.6))
+    for row, column, (_, name, color) in zip(grid, values, JOINTS, strict=True):
+        for axes, (span, words, width) in zip(row, stretches, strict=True):
+            axes.plot(time, values[column], color=color, linewidth=width)
+            axes.set(xlim=span, title=f"{name}: {words}", **settings)
+        row[0].set_ylabel(label)
+    for axes in grid[1]:
+        axes.set_xlabel("time (s)")
+    return figure
 
 
 def journals(table: pd.DataFrame) -> Figure:
@@ -123,24 +131,6 @@ def clearance(table: pd.DataFrame, joint: str) -> float:
     distance = np.hypot(table[f"e_{joint}_x"], table[f"e_{joint}_y"])
     i = distance.idxmax()
     return float(distance[i] - table[f"penetration_{joint}"][i])
-
-
-def _joint_panels(
-    table: pd.DataFrame, label: str, draw: Callable[[Axes, str, Mapping[str, Any]], None]
-) -> Figure:
-    """Lay out one row of panels per joint: first impacts, and the whole motion."""
-    figure = Figure(figsize=(8.0, 4.6), layout="constrained")
-    grid = figure.subplots(2, 2, sharey=True)
-    whole = (0.0, table["time"].iloc[-1])
-    stretches = ((FIRST_IMPACTS, "first impacts", 1.0), (whole, "whole motion", 0.6))
-    for row, (joint, name, color) in zip(grid, JOINTS, strict=True):
-        for axes, (span, words, width) in zip(row, stretches, strict=True):
-            draw(axes, joint, {"color": color, "linewidth": width})
-            axes.set(xlim=span, title=f"{name}: {words}")
-        row[0].set_ylabel(label)
-    for axes in grid[1]:
-        axes.set_xlabel("time (s)")
-    return figure
 
 
 class Film:

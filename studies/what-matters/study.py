@@ -14,6 +14,8 @@ parameter by a hundredth of the input's standard deviation changes pf by one per
 
 import math
 import sys
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -128,48 +130,36 @@ def page(run: Run) -> "uqfold.report.Page":
     )
     for missions, words in (("1", "one mission"), ("5", "five missions")):
         page.figure(
-            side_by_side(run.rows(*BOTH, missions=missions, threshold=0.57)),
+            by_tau(run.rows(*BOTH, missions=missions, threshold=0.57), [plots.derivatives]),
             f"What pf answers to: T = 0.57 s, {words}",
             "`kriging`: on its surface; `mc`: score function on simulated systems. Bars are "
             "intervals of 95 %.",
             name=f"derivatives-{words.replace(' ', '-')}",
         )
+    over = plots.derivatives_over_threshold
     page.figure(
-        over_threshold(run.rows("on-surface", missions="1")),
+        by_tau(
+            run.rows("on-surface", missions="1"),
+            [partial(over, moment="mean"), partial(over, moment="standard deviation")],
+        ),
         "From the body into the tail, one mission, on the surface",
         name="derivatives-over-threshold",
     )
     return finish(page, run, {"kriging": KRIGING, "pce": CHAOS})
 
 
-def side_by_side(rows: pd.DataFrame) -> Figure:
-    """Draw derivatives without and with synchronization."""
-    figure = Figure(figsize=(5.7, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
-    for axes, own, title in (
-        (left, rows[rows["tau"].isna()], "no $\\tau$"),
-        (right, rows[rows["tau"].notna()], "$\\tau$ = 0.04 s"),
-    ):
-        plots.derivatives(own, axes)
-        axes.set_title(title)
-        axes.get_legend().remove()
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    return figure
-
-
-def over_threshold(rows: pd.DataFrame) -> Figure:
-    """Draw derivatives over T: by mean and by standard deviation, without and with tau."""
-    figure = Figure(figsize=(5.3, 4.3), layout="constrained")
-    grid = figure.subplots(2, 2, sharex=True, sharey="row")
-    for row, moment in zip(grid, ("mean", "standard deviation"), strict=True):
-        for axes, own in zip(
-            row, (rows[rows["tau"].isna()], rows[rows["tau"].notna()]), strict=True
-        ):
-            plots.derivatives_over_threshold(own, moment, axes)
+def by_tau(rows: pd.DataFrame, draws: Sequence[Callable[..., Any]]) -> Figure:
+    """Draw figures one below another, without synchronization and with it, with one legend."""
+    figure = Figure(figsize=(5.7, 4.3), layout="constrained")
+    grid = figure.subplots(len(draws), 2, squeeze=False, sharex="col", sharey="row")
+    for row, draw in zip(grid, draws, strict=True):
+        for axes, own in zip(row, (rows["tau"].isna(), rows["tau"].notna()), strict=True):
+            draw(rows[own], ax=axes)
             axes.label_outer()
-    grid[0, 0].set_title("no $\\tau$")
-    grid[0, 1].set_title("$\\tau$ = 0.04 s")
+            if (legend := axes.get_legend()) is not None:
+                legend.remove()
+    for axes, title in zip(grid[0], ("no $\\tau$", "$\\tau$ = 0.04 s"), strict=True):
+        axes.set_title(title)
     handles, labels = grid[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5)
     return figure

@@ -74,7 +74,7 @@ def test_each_joint_has_its_own_panels(
         for panel in panels:
             axes = figure.axes[panel]
             assert f"joint {joint}" in axes.get_title()
-            curve = lines(figure, panel)[-1][:, 1]
+            curve = lines(figure, panel)[0][:, 1]
             expected = factor * table[f"{column}_{joint}"]
             above = expected > 10.0 if column == "normal_force" else np.full(len(curve), True)
             np.testing.assert_allclose(curve[above], expected[above])

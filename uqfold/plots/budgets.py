@@ -77,7 +77,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     return figure
 
 
-def _errors(axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, MethodStyle]) -> None:
+def _errors(axes: Axes, rows: pd.DataFrame, styles: Mapping[str, MethodStyle]) -> None:
     """Draw the curves of all methods on one problem, in one decade."""
     frame = rows.sort_values("n_evals")
     axes.set(xscale="log", xlim=(20, 20_000))

@@ -111,12 +111,14 @@ def draw_judged(axes: Axes, x: Any, errors: Any, hollow: Any, style: MethodStyle
 
 
 def draw_intervals(
-    axes: Axes, y: Any, value: Any, low: Any, high: Any, style: MethodStyle, *, hollow: bool = False
-) -> None:
+    axes: Axes, y: Any, value: Any, low: Any, high: Any, style: MethodStyle, *,
+    hollow: bool = False, label: str = "",
+) -> None:  # fmt: skip
     """Draw values (n,) with their intervals along x, in rows at y (n,)."""
     axes.hlines(y, low, high, color=style.color, linewidth=1.2)
     face = "white" if hollow else style.color
-    axes.plot(value, y, style.marker, color=style.color, markersize=4.5, markerfacecolor=face)
+    axes.plot(value, y, style.marker, color=style.color, markersize=4.5, markerfacecolor=face,
+              label=label)  # fmt: skip
 
 
 def beside(k: int, count: int) -> float:

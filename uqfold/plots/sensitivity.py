@@ -94,15 +94,12 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
         own = having(frame, column, label)
         y = own["row"].map(rows.index) + beside(k, len(styles))
         value, half = own["per_std"], REACH * own["per_std_error"]
-        draw_intervals(axes, y, value, value - half, value + half, look)
+        draw_intervals(axes, y, value, value - half, value + half, look, label=label)
     name_rows(axes, rows)
     means = sum(row.endswith(", mean") for row in rows)
     axes.axhline(means - 0.5, color="#BBBBBB", linewidth=0.8)
     axes.set_xlabel("relative change of pf\nper std. dev. of the input")
-    axes.legend(handles=[
-        key(label, linestyle="", marker=look.marker, color=look.color)
-        for label, look in styles.items()
-    ])  # fmt: skip
+    axes.legend()
     return axes
 
 
