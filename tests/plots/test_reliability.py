@@ -193,6 +193,9 @@ def test_errors_that_the_reference_cannot_judge_are_hollow(frame: pd.DataFrame) 
     sizes = {str(line.get_markerfacecolor()): len(line.get_xdata()) for line in marked}
     assert sizes["white"] == 2
     assert sum(sizes.values()) == 4
+    # the smallest tick stands for all that are smaller
+    assert [axes.yaxis.get_major_formatter()(one, 0) for one in (1e-4, 0.01)] == ["≤ 0.01 %", "1 %"]
+    axes.figure.canvas.draw()
 
 
 @pytest.mark.parametrize(

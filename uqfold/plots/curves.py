@@ -310,7 +310,7 @@ def _limit(axes: Axes, frame: pd.DataFrame, quantity: str, smallest_pf: float | 
         # over at least two decades; the smallest stands for all that are smaller still
         limit_errors(axes, 0.8 * SMALLEST_ERROR, max(1.5 * frame["error"].max(), 1.5e-2))
         axes.yaxis.set_major_formatter(
-            lambda value, _: f"{'≤ ' * (value <= 1.01 * SMALLEST_ERROR)}{100.0 * value:g} %"
+            lambda value, _: f"{'≤ ' if value <= 1.01 * SMALLEST_ERROR else ''}{100.0 * value:g} %"
         )
 
 
