@@ -185,11 +185,8 @@ def test_errors_that_the_reference_cannot_judge_are_hollow(frame: pd.DataFrame) 
     own = plain(frame, "ffni-spa").copy()
     # a reference with an error of its own, larger than that of two of four estimates
     own["reference_std_error"] = np.where(own["threshold"] < 1.0, own["reference_pf"], 0.0)
-    marked = [
-        one
-        for one in plots.reliability_panels(own, ["error"]).axes[0].get_lines()
-        if one.get_marker() == "o"
-    ]
+    (axes,) = plots.reliability_panels(own, ["error"]).axes
+    marked = [one for one in axes.get_lines() if one.get_marker() == "o"]
     sizes = {str(line.get_markerfacecolor()): len(line.get_xdata()) for line in marked}
     assert sizes["white"] == 2
     assert sum(sizes.values()) == 4
