@@ -12,7 +12,8 @@ from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.methods.answers import EXAMPLES, answers, firm, references
+from validation.methods.answers import answers, firm, references
+from validation.methods.examples import EXAMPLES
 
 STANDARD_ERRORS = 4.5
 """Largest difference in joint standard errors."""
@@ -38,7 +39,7 @@ def ask(example: str, name: str, budget: int, seed: int, fault: str | None) -> p
     problem = EXAMPLES[example]()
     known = references(problem, list(ASKED[example]))
     if fault == "stale reference":
-        known = [replace(one, pf=1.2 * one.pf) for one in known]
+        known = [replace(one, pf=min(1.2 * one.pf, 1.0)) for one in known]
     if fault == "uncorrelated":
         inputs = problem.inputs
         problem = Problem(

@@ -17,7 +17,8 @@ from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.problems import folding_wing
 from uqfold.problems.criterion import Criterion
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.methods.answers import EXAMPLES, answers, references
+from validation.methods.answers import answers, references
+from validation.methods.examples import EXAMPLES
 
 LEVELS = (0.1, 0.01, 0.001)
 """Failure probabilities at which methods are compared; the nearest reference is taken."""

@@ -138,7 +138,7 @@ def typeset(text: str) -> str:
 
     Examples
     --------
-    >>> typeset("1.5e-4 .. 2")
-    '1.5 × 10⁻⁴ .. 2'
+    >>> typeset("1.5e-4 .. 2"), typeset("3.3e-07 s")
+    ('1.5 × 10⁻⁴ .. 2', '3.3 × 10⁻⁷ s')
     """
     return _POWER.sub(lambda match: f"{match[1]} × 10{str(int(match[2])).translate(_RAISED)}", text)
