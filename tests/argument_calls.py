@@ -654,7 +654,8 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.ActiveKriging": Call(
             methods.ActiveKriging,
             {
-                "runs": count(),
+                "runs": optional(count()),
+                "target_cov": number(),
                 "initial": optional(count()),
                 "batch": count(),
                 "explore": count(1).also("zero"),
@@ -695,7 +696,8 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.Kriging": Call(
             methods.Kriging,
             {
-                "runs": count(),
+                "runs": optional(count()),
+                "target_cov": number(),
                 "trend": choice("best"),
                 "kernel": choice("best"),
                 "noise": optional(number().also("zero")),
@@ -721,7 +723,8 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.PolynomialChaos": Call(
             methods.PolynomialChaos,
             {
-                "runs": count(),
+                "runs": optional(count()),
+                "target_cov": number(),
                 "sparse": flag(),
                 "max_degree": count(),
                 "basis": choice("own"),

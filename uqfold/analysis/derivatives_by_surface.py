@@ -33,6 +33,7 @@ from uqfold.methods.kriging import Kriging
 from uqfold.methods.seeding import RandomSource, block_generator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
+from uqfold.system.refinement import TOLERANCE
 from uqfold.system.surface import SurfaceSystem, reliability_index
 from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray
@@ -44,7 +45,7 @@ _STREAM = 7
 """Block of the seed that the draws come from; fits use the first few."""
 _RELATIVE_ERROR, _ABSOLUTE_ERROR = 4e-3, 2e-4
 """Error of a central difference of the reliability index on the points of one surface rule: a share
-of it, and per standard deviation of the input."""
+of it, and per standard deviation of the input where the rule meets its tolerance."""
 
 
 @one_blas_thread()
@@ -125,7 +126,11 @@ def _row(
 
 @dataclass(frozen=True, eq=False)
 class _Differences:
-    """A surface laid out for differences; `index` (C,) and its changes (R, C) by drawn surfaces."""
+    """A surface laid out for differences.
+
+    `index` (C,), its changes (R, C) by drawn surfaces, and by how many of its tolerances the
+    integration may miss it (C,).
+    """
 
     fitted: FittedSurface
     system: SurfaceSystem
@@ -133,6 +138,7 @@ class _Differences:
     paths: Surface
     index: FloatArray
     changes: FloatArray
+    tolerances: FloatArray
 
     @classmethod
     def of(
@@ -145,7 +151,9 @@ class _Differences:
         rng = block_generator(fitted.result.seed, _STREAM)
         paths = fitted.surface.sample_paths(rng, _DRAWS)
         index, changes = _answer(fitted, system, criteria, paths, inputs)
-        return cls(fitted, system, criteria, paths, index, changes)
+        responses = system.responses(fitted.surface.mean, noise=fitted.noise)
+        tolerances = system.integration_errors(responses, criteria) / TOLERANCE
+        return cls(fitted, system, criteria, paths, index, changes, np.maximum(tolerances, 1.0))
 
     def by(self, parameter: InputParameter) -> Iterator[Differentiated]:
         """Derivatives by one parameter, for each criterion."""
@@ -164,7 +172,8 @@ class _Differences:
         derivative, relative = _of_pf(self.index, slope)
         drawn, drawn_relative = _of_pf(indices, slopes)
         factor = self.fitted.overconfidence
-        inexact = np.hypot(_RELATIVE_ERROR * slope, _ABSOLUTE_ERROR / parameter.std)
+        missed = _ABSOLUTE_ERROR * self.tolerances / parameter.std
+        inexact = np.hypot(_RELATIVE_ERROR * slope, missed)
         own = np.abs(np.array(_of_pf(self.index, inexact)))
         errors = np.hypot(factor * drawn.std(axis=0, ddof=1), own[0])
         relative_errors = np.hypot(factor * drawn_relative.std(axis=0, ddof=1), own[1])

@@ -25,7 +25,8 @@ from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.response_surface import Rival, surface_estimates
+from uqfold.methods.growing_design import TARGET_COV, Growth, first_runs
+from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
@@ -53,6 +54,8 @@ _NEAR = 0.1
 _FAR = 4.0
 # A miss by less than this share of the runs' median distance to the threshold is little.
 _LITTLE = 0.1
+# Steps of learning in which grown runs are spent at most, about.
+_STEPS_TO_DOUBLE = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,8 @@ class ActiveKrigingDetails:
     checks
         The checks by runs kept out of the training set. The runs of a check that failed have
         joined it afterwards.
+    errors
+        Where the stated errors come from.
     """
 
     surface: GaussianProcess
@@ -78,10 +83,15 @@ class ActiveKrigingDetails:
     history_beta: FloatArray
     history_std: FloatArray
     checks: tuple[Check, ...]
+    errors: ErrorParts
 
     @classmethod
     def of(
-        cls, surface: GaussianProcess, stability: Stability, checks: Sequence[Check]
+        cls,
+        surface: GaussianProcess,
+        stability: Stability,
+        checks: Sequence[Check],
+        errors: ErrorParts,
     ) -> ActiveKrigingDetails:
         """Gather what the loop has seen."""
         views = stability.views
@@ -91,6 +101,7 @@ class ActiveKrigingDetails:
             history_beta=np.array([view.beta for view in views]),
             history_std=np.array([view.beta_std for view in views]),
             checks=tuple(checks),
+            errors=errors,
         )
 
 
@@ -106,7 +117,9 @@ class ActiveKriging(SequentialMethod):
     ----------
     runs
         Most evaluations, control runs included; fewer if the budget allows fewer. More than
-        1,000 are `unsupported`.
+        1,000 are `unsupported`. None: 100, or five for each input if that is more; where a budget
+        is given that allows more, they are doubled as long as the stated error is above its
+        target and this may help.
     initial
         Runs of the first design; None: three for each input, at least 12. Never fewer than a
         fit needs, which is two for each input and two more.
@@ -130,6 +143,9 @@ class ActiveKriging(SequentialMethod):
         1e-2 and 2.5 % at 1e-6.
     controls
         Runs of each check.
+    target_cov
+        Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
+        a row that states more is ``doubtful``.
 
     Raises
     ------
@@ -143,7 +159,7 @@ class ActiveKriging(SequentialMethod):
     bounds_failed_runs: ClassVar[bool] = True
     adaptive: ClassVar[bool] = True
 
-    runs: int = 100
+    runs: int | None = None
     initial: int | None = None
     batch: int = 6
     explore: int = 1
@@ -152,10 +168,12 @@ class ActiveKriging(SequentialMethod):
     noise: float | None = None
     tolerance: float = 0.005
     controls: int = 6
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
-        for name, least in {"runs": 1, "batch": 1, "explore": 0, "controls": 2}.items():
+        for name, least in {"batch": 1, "explore": 0, "controls": 2}.items():
             keep(self, name, whole, at_least=least)
+        keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "initial", or_none, whole, at_least=2)
         if self.explore >= self.batch and self.explore > 0:
             raise refused("explore", self.explore, f"give less than batch = {self.batch}, or 0")
@@ -163,6 +181,7 @@ class ActiveKriging(SequentialMethod):
         keep(self, "kernel", choice, get_args(KernelChoice))
         keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
         keep(self, "tolerance", real, above=0.0, below=1.0)
+        keep(self, "target_cov", real, above=0.0)
 
     @property
     def stochastic(self) -> bool:
@@ -171,23 +190,26 @@ class ActiveKriging(SequentialMethod):
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse more training runs than the steps of learning can bear."""
-        if self.runs > MAX_RUNS:
+        if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
         return super().supports(problem, criterion)
 
     def _steps(self, task: Task) -> Steps:
         inputs, rng = task.problem.inputs, task.generator()
         least = 2 * inputs.dimension + 2
-        total = affordable_runs(task, self.runs, least)
+        asked = first_runs(self.runs, inputs.dimension, MAX_RUNS)
+        total = affordable_runs(task, asked, least)
+        growth = Growth.of(task, self.runs, total, MAX_RUNS)
         first = max(12, 3 * inputs.dimension) if self.initial is None else max(self.initial, least)
         u = space_filling_design(min(first, total), inputs.dimension, rng)
-        design = yield from design_runs(task, u, self.runs, least)
-        u, y = design.u, design.y
+        design = yield from design_runs(task, u, asked, least)
+        runs, u, y = design, design.u, design.y
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
         fits = KernelFits(kernels, self.noise)
-        stability, checks, why = Stability(self.tolerance), list[Check](), ""
+        stability, checks, stopped = Stability(self.tolerance), list[Check](), ""
         new, met = np.empty((0, inputs.dimension)), np.empty(0)
+        batch, unchecked = self.batch, 0
         while True:
             known = DesignRuns(u, y, y.size)
             if not known.fittable:
@@ -195,46 +217,79 @@ class ActiveKriging(SequentialMethod):
             try:
                 view = self._view(task, known, fits, rng)
             except TimeLimitError as error:
-                why = str(error)
+                stopped = str(error)
                 # what was learned before is an answer
                 if stability.views:
-                    break
+                    return self._answered(task, runs, stability, checks, (new, met), stopped, rng)[
+                        0
+                    ]
                 view = self._view(task, known, fits, rng)
-            runs, surface = known, view.process
+            runs = known
             stability.views.append(view)
-            if why:
-                break
+            new, met = np.empty((0, inputs.dimension)), np.empty(0)
+            if stopped:
+                return self._answered(task, runs, stability, checks, (new, met), stopped, rng)[0]
             if task.session.watched:
                 task.session.report(view.running())
-            left, met = total - runs.y.size, np.empty(0)
-            if left == 0:
-                why = stability.unfinished(checks)
-                break
-            check_now = stability.reached and left >= self.controls
-            try:
-                if check_now:
-                    new = control_points(view, self.controls, rng)
-                else:
-                    new = self._next(view, runs, min(self.batch, left), rng)
-                answer = yield inputs.from_standard_normal(new)
-            except TimeLimitError as error:
-                why, met = str(error), error.responses
-                break
-            met = answer
+            left = total - y.size
+            check_now = stability.reached and left >= self.controls and y.size >= unchecked
+            if left > 0:
+                try:
+                    if check_now:
+                        new = control_points(view, self.controls, rng)
+                    else:
+                        new = self._next(view, runs, min(batch, left), rng)
+                    met = yield inputs.from_standard_normal(new)
+                except TimeLimitError as error:
+                    last = new, error.responses
+                    return self._answered(task, runs, stability, checks, last, str(error), rng)[0]
             if check_now:
-                checks.append(Check.of(view, new, answer, self.tolerance))
-                if checks[-1].passed:
-                    break
-            u, y = np.concatenate([u, new]), np.concatenate([y, answer])
-        # the last runs, of a check that has passed or not learned from in time, do not belong to
-        # the surface; those that no surface describes speak against it all the same
-        beyond = np.flatnonzero(~np.isfinite(met))
-        u, y = np.concatenate([runs.u, new[beyond]]), np.concatenate([runs.y, met[beyond]])
-        runs = DesignRuns(u, y, runs.asked + beyond.size)
+                checks.append(Check.of(view, new, met, self.tolerance))
+            if left == 0 or (check_now and checks[-1].passed):
+                why = stability.unfinished(checks) if left == 0 else ""
+                found, shortfall = self._answered(
+                    task, runs, stability, checks, (new, met), why, rng
+                )
+                more = growth.next_size(y.size + met.size, shortfall)
+                if more is None:
+                    return found
+                more = max(more, total)
+                task.session.expect(more)
+                total, unchecked = more, more - self.controls
+                batch = max(batch, more // _STEPS_TO_DOUBLE)
+                if left == 0:
+                    # the same runs will be looked at once more
+                    stability.views.pop()
+            u, y = np.concatenate([u, new]), np.concatenate([y, met])
+
+    def _answered(
+        self,
+        task: Task,
+        runs: DesignRuns,
+        stability: Stability,
+        checks: Sequence[Check],
+        last: tuple[FloatArray, FloatArray],
+        why: str,
+        rng: np.random.Generator,
+    ) -> tuple[Solution, float]:
+        """Answer from what was learned of `runs`, and tell how far the error is from its target.
+
+        The `last` runs, of a check that has passed or not learned from in time, do not belong to
+        the surface; those that no surface describes speak against it all the same.
+        """
+        new, met = last
         view = stability.views[-1]
+        surface = view.process
+        beyond = np.flatnonzero(~np.isfinite(met))
+        runs = DesignRuns(
+            np.concatenate([runs.u, new[beyond]]),
+            np.concatenate([runs.y, met[beyond]]),
+            runs.asked + beyond.size,
+        )
         trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
-        estimates = surface_estimates(
+        found = surface_estimates(
             task, surface, runs, rng,
+            target_cov=self.target_cov,
             noise=surface.noise_std,
             rivals=_rivals(task, surface, checks),
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
@@ -243,9 +298,10 @@ class ActiveKriging(SequentialMethod):
         )  # fmt: skip
         estimates = [
             _qualified(estimate, why, _doubts(criterion, surface))
-            for criterion, estimate in zip(task.criteria, estimates, strict=True)
+            for criterion, estimate in zip(task.criteria, found.estimates, strict=True)
         ]
-        return Solution(estimates, ActiveKrigingDetails.of(surface, stability, checks))
+        details = ActiveKrigingDetails.of(surface, stability, checks, found.errors)
+        return Solution(estimates, details), found.shortfall
 
     @staticmethod
     def _view(task: Task, runs: DesignRuns, fits: KernelFits, rng: np.random.Generator) -> View:

@@ -10,14 +10,15 @@ from uqfold.checks import choice, keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
-from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.response_surface import Rival, surface_estimates
+from uqfold.methods.design_runs import DesignRuns
+from uqfold.methods.growing_design import TARGET_COV, grown
+from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.designs import checked_spread, space_filling_design
+from uqfold.surrogates.designs import checked_spread
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.kernels import Kernel
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
@@ -46,11 +47,14 @@ class KrigingDetails:
         Leave-one-out residuals.
     relative_error
         Their root mean square, as a share of the standard deviation of the training responses.
+    errors
+        Where the stated errors come from.
     """
 
     surface: GaussianProcess
     cross_validation: LeaveOneOut
     relative_error: float
+    errors: ErrorParts
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,9 @@ class Kriging(SequentialMethod):
     Attributes
     ----------
     runs
-        Evaluations; fewer if the budget allows fewer. More than 2,000 are `unsupported`.
+        Evaluations; fewer if the budget allows fewer. More than 2,000 are `unsupported`. None: 100,
+        or five for each input if that is more; where a budget is given that allows more, they are
+        doubled as long as the stated error is above its target and this may help.
     trend
         ``constant``, ``linear`` or ``quadratic`` polynomial, or ``pce``: the polynomials that a
         sparse polynomial chaos expansion picks; ``best``: the better of the last two.
@@ -81,6 +87,9 @@ class Kriging(SequentialMethod):
     spread
         Standard deviation of the design points, in standard deviations of the inputs. Where the
         model is noisy, what a run says about the tail grows with its distance from the centre.
+    target_cov
+        Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
+        a row that states more is ``doubtful``.
 
     Raises
     ------
@@ -93,18 +102,20 @@ class Kriging(SequentialMethod):
     theory: ClassVar[Theory] = KRIGING
     bounds_failed_runs: ClassVar[bool] = True
 
-    runs: int = 100
+    runs: int | None = None
     trend: Trend = "best"
     kernel: KernelChoice = "best"
     noise: float | None = None
     spread: float = 2.0
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
-        keep(self, "runs", whole, at_least=1)
+        keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "trend", choice, get_args(Trend))
         keep(self, "kernel", choice, get_args(KernelChoice))
         keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
         keep(self, "spread", checked_spread)
+        keep(self, "target_cov", real, above=0.0)
 
     @property
     def stochastic(self) -> bool:
@@ -113,33 +124,32 @@ class Kriging(SequentialMethod):
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse more training runs than a fit can bear."""
-        if self.runs > MAX_RUNS:
+        if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
         return super().supports(problem, criterion)
 
     def _steps(self, task: Task) -> Steps:
-        inputs = task.problem.inputs
-        least = 2 * inputs.dimension + 2
-        size = affordable_runs(task, self.runs, least)
-        u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
-        runs = yield from design_runs(task, u, self.runs, least)
-        if not runs.fittable:
-            return runs.without_surface(task)
+        answered = partial(self._answered, task)
+        return (yield from grown(task, self.runs, MAX_RUNS, self.spread, answered))
+
+    def _answered(self, task: Task, runs: DesignRuns) -> tuple[Solution, float]:
         fits, stopped = task.summed_up(partial(self._fitted, task, runs))
         surface, *others = fits
         if stopped:
             runs = replace(runs, stopped=stopped)
-        estimates = surface_estimates(
+        found = surface_estimates(
             task, surface, runs, task.generator(1),
+            target_cov=self.target_cov,
             noise=surface.noise_std,
             rivals=[Rival.by_prediction(surface, other) for other in others],
-            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // size),
+            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
             stated_noise=self.noise,
         )  # fmt: skip
         validated = surface.leave_one_out()
         scatter = float(surface.y.std())
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
-        return Solution(estimates, KrigingDetails(surface, validated, relative))
+        details = KrigingDetails(surface, validated, relative, found.errors)
+        return Solution(found.estimates, details), found.shortfall
 
     def _fitted(
         self, task: Task, runs: DesignRuns, stopped: str

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from uqfold.checks import choice, flag, keep, whole
+from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
-from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
+from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
-from uqfold.methods.response_surface import Rival, surface_estimates
+from uqfold.methods.growing_design import TARGET_COV, grown
+from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.designs import DEFAULT_SPREAD, checked_spread, space_filling_design
+from uqfold.surrogates.designs import DEFAULT_SPREAD, checked_spread
 from uqfold.surrogates.polynomial_chaos import (
     PolynomialChaosExpansion,
     VarianceShares,
@@ -28,6 +30,9 @@ from uqfold.surrogates.polynomial_chaos import (
     fit_polynomial_chaos,
 )
 from uqfold.typing import FloatArray
+
+MAX_GROWN = 2_000
+"""Runs to which a design grows by itself."""
 
 Design: TypeAlias = Literal["space-filling", "ffni"]
 Basis: TypeAlias = Literal["best", "hermite", "own"]
@@ -48,12 +53,15 @@ class PolynomialChaosDetails:
         Leave-one-out residuals.
     relative_error
         Their root mean square, as a share of the standard deviation of the training responses.
+    errors
+        Where the stated errors come from.
     """
 
     surface: PolynomialChaosExpansion
     sobol_indices: VarianceShares
     cross_validation: LeaveOneOut
     relative_error: float
+    errors: ErrorParts
 
 
 @dataclass(frozen=True)
@@ -71,7 +79,9 @@ class PolynomialChaos(SequentialMethod):
     Attributes
     ----------
     runs
-        Evaluations of the space-filling design; fewer if the budget allows fewer.
+        Evaluations of the space-filling design; fewer if the budget allows fewer. None: 100, or
+        five for each input if that is more; where a budget is given that allows more, they are
+        doubled as long as the stated error is above its target and this may help.
     sparse
         Whether least-angle regression may leave polynomials out, or all up to the degree stay.
     max_degree
@@ -88,6 +98,9 @@ class PolynomialChaos(SequentialMethod):
         stated error.
     spread
         Standard deviation of the space-filling points, in standard deviations of the inputs.
+    target_cov
+        Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
+        a row that states more is ``doubtful``.
 
     Raises
     ------
@@ -100,7 +113,7 @@ class PolynomialChaos(SequentialMethod):
     theory: ClassVar[Theory] = POLYNOMIAL_CHAOS
     bounds_failed_runs: ClassVar[bool] = True
 
-    runs: int = 100
+    runs: int | None = None
     sparse: bool = True
     max_degree: int = 10
     basis: Basis = "best"
@@ -108,9 +121,10 @@ class PolynomialChaos(SequentialMethod):
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
     spread: float = DEFAULT_SPREAD
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
-        keep(self, "runs", whole, at_least=1)
+        keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "sparse", flag)
         keep(self, "max_degree", whole, at_least=1)
         keep(self, "basis", choice, get_args(Basis))
@@ -118,6 +132,7 @@ class PolynomialChaos(SequentialMethod):
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
         keep(self, "spread", checked_spread)
+        keep(self, "target_cov", real, above=0.0)
 
     @property
     def stochastic(self) -> bool:
@@ -125,18 +140,16 @@ class PolynomialChaos(SequentialMethod):
         return self.design == "space-filling"
 
     def _steps(self, task: Task) -> Steps:
+        if self.design == "space-filling":
+            answered = partial(self._answered, task)
+            return (yield from grown(task, self.runs, MAX_GROWN, self.spread, answered))
+        x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
+        y = yield x
+        runs = DesignRuns(self._standard_nodes(task.problem.inputs, x), y, x.shape[0])
+        return self._answered(task, runs)[0] if runs.fittable else runs.without_surface(task)
+
+    def _answered(self, task: Task, runs: DesignRuns) -> tuple[Solution, float]:
         inputs = task.problem.inputs
-        if self.design == "ffni":
-            x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
-            y = yield x
-            runs = DesignRuns(self._standard_nodes(inputs, x), y, x.shape[0])
-        else:
-            least = 2 * inputs.dimension + 2
-            size = affordable_runs(task, self.runs, least)
-            u = space_filling_design(size, inputs.dimension, task.generator(), self.spread)
-            runs = yield from design_runs(task, u, self.runs, least)
-        if not runs.fittable:
-            return runs.without_surface(task)
         fitted = runs.u[runs.finite], runs.y[runs.finite]
         # n nodes cannot tell u^n from lower powers
         orders = np.array(self._counts(inputs)) - 1 if self.design == "ffni" else None
@@ -162,12 +175,16 @@ class PolynomialChaos(SequentialMethod):
             # that they can tell changes stands for that error
             lower = surface.indices[(surface.indices < orders).all(axis=1)]
             rivals.append(Rival(fit_basis(*fitted, lower, surface.basis), share=1.0))
-        estimates = surface_estimates(task, surface, runs, rng, rivals=rivals)
+        found = surface_estimates(
+            task, surface, runs, rng, target_cov=self.target_cov, rivals=rivals
+        )
         validated = surface.leave_one_out()
         scatter = float(fitted[1].std())
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
-        details = PolynomialChaosDetails(surface, surface.sobol_indices(), validated, relative)
-        return Solution(estimates, details)
+        details = PolynomialChaosDetails(
+            surface, surface.sobol_indices(), validated, relative, found.errors
+        )
+        return Solution(found.estimates, details), found.shortfall
 
     def _bases(self, inputs: JointInputs) -> list[list[OwnPolynomials | None] | None]:
         """Sets of polynomials to try; None: those of Hermite."""

@@ -18,7 +18,7 @@ import numpy as np
 from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
-from uqfold.methods.result import Estimate
+from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion
@@ -35,7 +35,6 @@ _DRAWS = 20
 _T95 = 2.093
 """Student's quantile for a spread estimated from 20 draws."""
 _POOR_PREDICTION = 0.1
-_WIDE = 0.1
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
 
@@ -79,18 +78,70 @@ class Rival:
         return cls(other.mean, min(1.0, own / others) if others > 0.0 else 1.0)
 
 
+@dataclass(frozen=True, eq=False)
+class ErrorParts:
+    """Where the stated errors of pf come from: standard deviations (n_criteria,).
+
+    Attributes
+    ----------
+    training
+        What the runs leave open in the surface.
+    integration
+        What the rules of integration over the surface leave.
+    sampling
+        Scatter of the lines over the surface that are drawn at random; 0 where none are.
+    """
+
+    training: FloatArray
+    integration: FloatArray
+    sampling: FloatArray
+
+    def shortfall(self, row: int, target: float) -> float:
+        """How many times what a target leaves to it the training error is; 0 if runs cannot help.
+
+        Parameters
+        ----------
+        row
+            The criterion.
+        target
+            Standard deviation of pf that all parts together are to have.
+        """
+        rest = math.hypot(self.integration[row], self.sampling[row])
+        return float(self.training[row]) / math.sqrt(target**2 - rest**2) if rest < target else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceAnswers:
+    """Answers of a surface.
+
+    Attributes
+    ----------
+    estimates
+        One for each criterion.
+    errors
+        Where their stated errors come from.
+    shortfall
+        How many times its target the largest error is that more runs could reduce.
+    """
+
+    estimates: list[Estimate]
+    errors: ErrorParts
+    shortfall: float
+
+
 def surface_estimates(
     task: Task,
     surface: ResponseSurface,
     runs: DesignRuns,
     rng: np.random.Generator,
     *,
+    target_cov: float,
     noise: float = 0.0,
     rivals: Sequence[Rival] = (),
     max_points: int = MAX_POINTS,
     beta_std: FloatArray | None = None,
     stated_noise: float | None = None,
-) -> list[Estimate]:
+) -> SurfaceAnswers:
     """Answer the criteria of a task from a fitted surface.
 
     Parameters
@@ -103,6 +154,8 @@ def surface_estimates(
         The runs.
     rng
         Source of the draws behind the stated error.
+    target_cov
+        Largest stated error, relative to pf or to the reliability, of a ``converged`` row.
     noise
         Standard deviation of what the model does beside the surface, unit by unit.
     rivals
@@ -118,10 +171,10 @@ def surface_estimates(
         The noise that the settings state; None where it is learned.
     """
 
-    def work(stopped: str) -> list[Estimate]:
+    def work(stopped: str) -> SurfaceAnswers:
         made = replace(runs, stopped=stopped) if stopped else runs
         return _answered(
-            task, surface, made, rng, noise, rivals, max_points, beta_std, stated_noise
+            task, surface, made, rng, target_cov, noise, rivals, max_points, beta_std, stated_noise
         )
 
     return task.summed_up(work)
@@ -132,12 +185,13 @@ def _answered(
     surface: ResponseSurface,
     runs: DesignRuns,
     rng: np.random.Generator,
+    target_cov: float,
     noise: float,
     rivals: Sequence[Rival],
     max_points: int,
     beta_std: FloatArray | None,
     stated_noise: float | None,
-) -> list[Estimate]:
+) -> SurfaceAnswers:
     problem = task.problem
     inputs = problem.inputs
     system = SurfaceSystem.of(
@@ -176,6 +230,9 @@ def _answered(
             spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
         return np.asarray(spread)
 
+    count = len(task.criteria)
+    errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
+
     def answers(rows: Sequence[int]) -> list[Estimate]:
         criteria = [task.criteria[row] for row in rows]
         found = system.failures_given(responses, criteria)
@@ -186,27 +243,62 @@ def _answered(
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
-        spread = np.hypot(spread, system.integration_errors(responses, criteria))
-        return _estimates(found, spread, own, runs)
+        rest = system.integration_errors(responses, criteria)
+        name = "sampling" if responses.parts else "integration"
+        density = _density(reliability_indices(found))
+        errors.training[list(rows)] = density * spread
+        getattr(errors, name)[list(rows)] = density * rest
+        return _estimates(found, spread, rest, name, own, runs, target_cov)
 
-    return estimates_by_blocks(len(task.criteria), answers)
+    estimates = estimates_by_blocks(count, answers)
+    shortfall = max(
+        _missed(validated, runs) / _POOR_PREDICTION if beta_std is None else 0.0,
+        *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
+    )
+    return SurfaceAnswers(estimates, errors, shortfall)
+
+
+def _smaller(estimate: Estimate) -> float:
+    """The smaller one of pf and reliability; 0 where there is no answer."""
+    if estimate.status in NO_ANSWER:
+        return 0.0
+    rest = 1.0 - estimate.pf if estimate.reliability is None else estimate.reliability
+    return min(estimate.pf, rest)
+
+
+def _missed(validated: LeaveOneOut, runs: DesignRuns) -> float:
+    """By how much runs left out are missed, as a share of the scatter of responses."""
+    finite = runs.y[runs.finite]
+    if np.ptp(finite) == 0.0:
+        return 0.0
+    scatter = float(finite.std())
+    return validated.rms / scatter if scatter > 0.0 else math.inf
+
+
+def _density(beta: FloatArray) -> FloatArray:
+    """Change of pf for a small one of the reliability index."""
+    return np.asarray(np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi))
 
 
 def _estimates(
     found: Sequence[SystemProbability],
-    spread: FloatArray,
+    training: FloatArray,
+    rest: FloatArray,
+    rest_name: str,
     doubts: list[list[str]],
     runs: DesignRuns,
+    target_cov: float,
 ) -> list[Estimate]:
     from scipy.special import ndtr
 
-    beta = reliability_indices(found)
-    std_error = np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi) * spread
+    beta, spread = reliability_indices(found), np.hypot(training, rest)
+    std_error = _density(beta) * spread
+    mostly = np.where(training >= rest, "training", rest_name).tolist()
     low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
     numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
     return [
-        _estimate(one, *errors, own, runs)
-        for one, errors, own in zip(found, numbers, doubts, strict=True)
+        _estimate(one, *errors, own, part, runs, target_cov)
+        for one, errors, own, part in zip(found, numbers, doubts, mostly, strict=True)
     ]
 
 
@@ -216,11 +308,17 @@ def _estimate(
     low: float,
     high: float,
     doubts: list[str],
+    mostly: str,
     runs: DesignRuns,
+    target_cov: float,
 ) -> Estimate:
     certain = found.pf in (0.0, 1.0)
-    if not certain and std_error > _WIDE * min(found.pf, found.reliability):
-        doubts = [*doubts, f"the stated error is above {_WIDE:.0%} of pf or of the reliability"]
+    if not certain and std_error > target_cov * min(found.pf, found.reliability):
+        doubts = [
+            *doubts,
+            f"the stated error, mostly of {mostly}, is above {100.0 * target_cov:.3g}% of pf or of "
+            "the reliability",
+        ]
     unknown = not runs.complete or (certain and bool(doubts))
     if unknown:
         # what the surface says about its own error says nothing about what it does not describe
@@ -268,11 +366,9 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
         )
     if runs.failed:
         doubts.append("what the failed runs would have been may change the surface everywhere")
-    scatter = float(runs.y[runs.finite].std())
     if np.ptp(runs.y[runs.finite]) == 0.0:
         doubts.append("all runs gave the same response: where another one begins is not known")
-    elif validated is not None and validated.rms > _POOR_PREDICTION * scatter:
-        share = validated.rms / scatter if scatter > 0.0 else math.inf
+    elif validated is not None and (share := _missed(validated, runs)) > _POOR_PREDICTION:
         doubts.append(
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
         )
