@@ -2,7 +2,7 @@
 
 Of a file only what can change a number counts: neither comments nor docstrings do, nor imports for
 type checkers. An ``__init__`` of uqfold only hands out names: the modules of those that are used
-count. A table of places (``"kriging": "uqfold.methods.kriging:Kriging"``) is no code either: an
+count. A table of places (``"kriging": "uqfold.methods.kriging:Kriging"``) is not code either: an
 entry counts where a file that counts has its key as a text, all entries where such a file outside
 the package asks for `EVERY` of them.
 """

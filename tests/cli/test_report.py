@@ -56,7 +56,7 @@ def test_the_name_of_the_file_says_the_format(run_dir: Path) -> None:
         (["nowhere"], "nowhere: No such file or directory"),
         (["run", "--format", "pdf"], "format = 'pdf': choose from 'html', 'md'"),
         (["run", "--out", "report.txt"], "suffix of path = 'txt': choose from 'html', 'md'"),
-        (["run/comparison.csv"], "comparison.csv is no readable record"),
+        (["run/comparison.csv"], "comparison.csv is not a readable record"),
         ([], "RUN_DIR"),
     ],
 )

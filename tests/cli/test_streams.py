@@ -132,7 +132,7 @@ def test_a_report_of_unreadable_records_is_refused(
     """Deep nesting, and numbers of 400 digits."""
     for text in ("[" * 100_000, '{"schema": 1' + "0" * 400 + "}", '{"schema": 1e999}'):
         (tmp_path / "comparison.json").write_text(text)
-        assert "no readable record" in refused(capsys, f"report {tmp_path}")
+        assert "not a readable record" in refused(capsys, f"report {tmp_path}")
 
 
 def test_a_cluster_that_is_no_address_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

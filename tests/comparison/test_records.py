@@ -313,7 +313,7 @@ def damaged(document: dict[str, Any], how: str) -> Any:
             "input of two roles",
             "role: Input should be a valid string, not ['shared', 'individual']",
         ),
-        ("rows is null", "comparison.json is no readable record"),
+        ("rows is null", "comparison.json is not a readable record"),
     ],
 )
 def test_a_damaged_record_is_refused_and_the_fault_named(
@@ -356,14 +356,14 @@ def test_another_number_in_a_record_is_damage(tmp_path: Path) -> None:
 def test_a_foreign_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "comparison.json"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(RecordsError, match="no readable record of a comparison"):
+    with pytest.raises(RecordsError, match="not a readable record of a comparison"):
         read_records(path)
 
 
 def test_a_binary_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "comparison.json"
     path.write_bytes(b"\x80\x04\x95\xff")
-    with pytest.raises(RecordsError, match="no readable record"):
+    with pytest.raises(RecordsError, match="not a readable record"):
         read_records(path)
 
 
@@ -416,7 +416,7 @@ def test_a_large_comparison_is_written_and_read_in_seconds(tmp_path: Path) -> No
     [
         ("1" + "0" * 400, "is too large"),
         ("1e400", "the number 1e400 is too large"),
-        ("1" + "0" * 5000, "no readable record"),
+        ("1" + "0" * 5000, "not a readable record"),
         ("[" * 100_000, "nested too deeply"),
         ('{"a":' * 100_000, "nested too deeply"),
     ],

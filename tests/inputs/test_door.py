@@ -167,7 +167,7 @@ class Halved(ot.PythonDistribution):
         (ot.Pareto(1.0, 0.01, 0.0), "its quantile of the upper probability .* is infinite"),
         (ot.Uniform(1.0, 2.0) + ot.Exponential(0.5), "jumps by 6"),
         (ot.Normal(0.0, 0.0), "its quantiles do not increase"),
-        (ot.Uniform(0.0, math.inf), "its quantiles are no numbers"),
+        (ot.Uniform(0.0, math.inf), "its quantiles are not numbers"),
         (ot.Normal(math.nan, 1.0), "quantiles fail"),
         (stats.norm(0, 0), r"scipy.stats.norm: scale = 0: give a positive number"),
         (stats.norm(0, -1), "scale = -1"),

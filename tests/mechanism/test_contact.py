@@ -10,7 +10,7 @@ from uqfold.mechanism.contact import contact_forces, hertz_stiffness
 from uqfold.mechanism.loads import drive_force, next_drive_corner
 from uqfold.mechanism.motion import LARGEST_TURN, accelerations, directions, gaps, turned
 from uqfold.mechanism.wing import Wings, wing_constants
-from validation.mechanism.independent import Wing
+from validation.mechanism.independent import FiveCoordinateWing
 
 
 def plain(kernel):
@@ -72,7 +72,7 @@ def test_directions_turned_on_equal_directions_anew(turn):
 def test_accelerations_equal_those_by_virtual_power(velocity, split):
     rng = np.random.default_rng(7)
     p = WingParameters(C_r=0.0015, delta=0.3, tangential_velocity=velocity).replace(**split)
-    w, independent = constants(p), Wing(p)
+    w, independent = constants(p), FiveCoordinateWing(p)
     touched = 0
     for _ in range(40):
         e_B, e_C = (

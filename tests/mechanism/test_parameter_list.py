@@ -17,7 +17,7 @@ from uqfold.mechanism.lane_rows import LANES, lane_access, row_count, rows_of
 from uqfold.mechanism.parameter_list import PARAMETERS, PARTS
 from uqfold.mechanism.wing import WING, Samples, WingConstants, Wings, wing_constants
 from validation.mechanism.bodies import Bodies
-from validation.mechanism.independent import Wing
+from validation.mechanism.independent import FiveCoordinateWing
 
 # no two numbers are equal, so that no exchange goes unseen
 DISTINCT = WingParameters(
@@ -51,7 +51,7 @@ def assert_each_exchange_is_seen(found, expected):
 def constants_by_hand(p):
     """The constants from masses, joints and loads that share no line with the mechanism's."""
     bodies = Bodies(p)
-    about_A, m_2, _, J_2, m_3 = Wing(p).inertia
+    about_A, m_2, _, J_2, m_3 = FiveCoordinateWing(p).inertia
     B, C = bodies.joints
     return {
         "l_1": p.l_1,

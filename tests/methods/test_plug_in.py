@@ -69,7 +69,7 @@ BROKEN = {
     "odd": ("raise BaseException('odd')", "raised BaseException: odd"),
     "misspelt": ("def Half(: pass", "raised SyntaxError"),
     "empty": ("", "raised AttributeError"),
-    "function": ("from dataclasses import dataclass as Half", "is no ReliabilityMethod"),
+    "function": ("from dataclasses import dataclass as Half", "is not a ReliabilityMethod"),
     "abstract": ("from uqfold.methods import ReliabilityMethod as Half", "raised TypeError"),
     "unset": (UNSET, "raised TypeError"),
 }

@@ -204,7 +204,7 @@ def test_an_interrupted_comparison_says_what_is_missing(small: pd.DataFrame) -> 
 
 def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
     (tmp_path / "comparison.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(RecordsError, match="no readable record"):
+    with pytest.raises(RecordsError, match="not a readable record"):
         report_page(tmp_path)
     with pytest.raises(ValueError, match="choose from 'html', 'md'"):
         write_report(toy_frame(), tmp_path / "report.pdf")

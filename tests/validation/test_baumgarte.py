@@ -7,7 +7,7 @@ import pytest
 
 from uqfold.mechanism import WingParameters, deployment_times
 from validation.mechanism.baumgarte import Multibody, baumgarte_motion
-from validation.mechanism.independent import Wing
+from validation.mechanism.independent import FiveCoordinateWing
 
 TABLE_6 = WingParameters(C_r=0.0015)
 SPLIT = TABLE_6.replace(
@@ -55,7 +55,7 @@ def test_multipliers_give_the_accelerations_of_virtual_power(
     wing: WingParameters, coefficients: tuple[float, float]
 ) -> None:
     rng = np.random.default_rng(3)
-    multibody, independent = Multibody(wing, *coefficients), Wing(wing)
+    multibody, independent = Multibody(wing, *coefficients), FiveCoordinateWing(wing)
     own = [2, 3, 4, 5, 6]
     touched = 0
     for _ in range(40):

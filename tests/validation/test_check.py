@@ -26,7 +26,7 @@ def test_missing_and_damaged_records(cases: Path, tmp_path: Path) -> None:
     (case.folder / "full.json").unlink()
     (case.folder / "quick.json").write_text("{}")
     damaged, missing = discrepancies(case)
-    assert "quick.json is no readable record" in damaged
+    assert "quick.json is not a readable record" in damaged
     assert missing == "no record of the full tier is kept"
 
 

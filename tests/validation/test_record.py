@@ -142,7 +142,7 @@ def test_what_is_wrong_is_named(
 def test_other_files_are_refused(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "other.json"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(RecordError, match=rf"other.json is no readable record.*{message}"):
+    with pytest.raises(RecordError, match=rf"other.json is not a readable record.*{message}"):
         read_case_record(path)
 
 

@@ -141,7 +141,7 @@ def paired_differences(
     ------
     TypeError, ValueError
         For wrong arguments; if the problems do not differ in just one individual input, or there
-        is no other one to lay lines along; if a run fails, or a response is infinite or does not
+        is none beside it to lay lines along; if a run fails, or a response is infinite or does not
         rise along a line.
     BudgetExceededError
         If the runs cost more than `max_evals`; none is made then.

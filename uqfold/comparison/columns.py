@@ -9,16 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from uqfold.methods.result import CriterionResult
 from uqfold.problems.reference import Reference
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Row: TypeAlias = Mapping[str, Any]
-"""One row of a comparison: column -> value, in the order and of the types of `COLUMNS`."""
 
 _TYPES: dict[object, type] = {"float": float, "int": int}
 
@@ -56,7 +53,7 @@ def relative_error(pf: float, reference_pf: float) -> float:
     return abs(pf - reference_pf) / reference_pf
 
 
-def rows_to_frame(rows: Iterable[Row]) -> pd.DataFrame:
+def rows_to_frame(rows: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """Return the rows as a pandas frame with the columns and types of `COLUMNS`."""
     import pandas as pd
 

@@ -96,7 +96,7 @@ def read_records(path: str | os.PathLike[str]) -> pd.DataFrame:
     except (ValueError, TypeError) as error:
         what = said(error) if isinstance(error, ValueError) else str(error)
         raise RecordsError(
-            f"{file.name} is no readable record of a comparison: {what}. Records are written by "
+            f"{file.name} is not a readable record of a comparison: {what}. Records are written by "
             "`uqfold compare`; see docs/records.md"
         ) from error
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import function, instance, or_none, text
-from uqfold.comparison.columns import Row, comparison_row, rows_to_frame
+from uqfold.comparison.columns import comparison_row, rows_to_frame
 from uqfold.comparison.header import ATTRIBUTE, header_of
 from uqfold.comparison.plan import ComparisonPlan, Methods, plan_comparison
 from uqfold.evaluation import Evaluator
@@ -56,7 +56,7 @@ def run_comparison(
     header = header_of(plan, command)
     known = plan.problem.references
     references = [None if known is None else known.lookup(one) for one in plan.criteria]
-    rows = list[Row]()
+    rows = list[dict[str, Any]]()
     for label, method in plan.methods.items():
         evaluator = plan.evaluator
         if progress is not None:
@@ -101,12 +101,12 @@ def compare(
     criteria
         What "works" means; None takes the problem's own default criteria.
     max_evals
-        Most model runs that each method may spend; None: as many as its settings ask for.
+        Most evaluations that each method may spend; None: as many as its settings ask for.
     rng
         Seed, `numpy.random.SeedSequence` or `Generator`; reduced to one seed that every method
         gets, so that a row can be repeated by the method alone.
     evaluator
-        How model runs are made: policy for failed runs, batches, progress.
+        How the model is run: policy for failed runs, batches, progress.
     progress
         Called with (label, runs so far, runs expected or None).
 

@@ -1,4 +1,4 @@
-"""Model runs on many machines, by Dask (the extra ``distributed``)."""
+"""Evaluations on many machines, by Dask (the extra ``distributed``)."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def normal(mean: float, std: float) -> Any:
     Raises
     ------
     ValueError, TypeError
-        If `std` is not positive or a value is no finite number.
+        If `std` is not positive or a value is not a finite number.
     """
     mean, std = real("mean", mean), real("std", std, above=0.0)
     ot = openturns()

@@ -72,7 +72,7 @@ def _found_fault(marginal: Marginal, relative: float, absolute: float) -> str | 
     u = np.concatenate([[-_FURTHEST], -_LEVELS[:0:-1], _LEVELS, [_FURTHEST]])
     x = marginal.from_normal(u)
     if np.isnan(x).any():
-        return "its quantiles are no numbers"
+        return "its quantiles are not numbers"
     if not np.isfinite(x).all():
         at = u[np.argmax(~np.isfinite(x))]
         return f"its quantile of the {_level(at)} is infinite"

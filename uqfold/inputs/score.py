@@ -87,7 +87,7 @@ def score_function(inputs: JointInputs, name: str, moment: Moment) -> ScoreFunct
         if _distance(bound[column], other[column]) > 1e-9 * inputs.standard_deviations[column]:
             raise ValueError(
                 f"a bound of {name} = {inputs.columns[column]} moves with its {moment}, so there "
-                "is no score function; give a distribution whose bounds do not move"
+                "is not a score function; give a distribution whose bounds do not move"
             )
     width = 2.0 * _STEP * float(inputs.standard_deviations[column])
     return ScoreFunction(above, below, column, width)

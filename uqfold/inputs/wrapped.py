@@ -46,7 +46,7 @@ class Law(Protocol):
         """Return the bounds."""
 
     def mean(self) -> Any:
-        """Return the mean."""
+        """Return the mean, as the wrapped distribution states it."""
 
     def std(self) -> Any:
         """Return the standard deviation."""

@@ -20,7 +20,7 @@ Five = tuple[float, float, float, float, float]
 """A state, or its rates."""
 
 
-class Wing(NamedTuple):
+class IdealWing(NamedTuple):
     """What the equation of motion needs, in SI units.
 
     J_A and J_2 are the moments of inertia of crank (about A) and rod, m_2 and m_3 the masses of rod
@@ -42,7 +42,7 @@ class Wing(NamedTuple):
 
 
 @inlined
-def rates(wing: Wing, y: Five, t: float) -> Five:
+def rates(wing: IdealWing, y: Five, t: float) -> Five:
     """Rates of the state `y` at time `t` (s)."""
     c_1, s_1, c_2, s_2, w = y
     p = wing.l_2 * c_2
@@ -99,7 +99,9 @@ def _plus(x: Five, y: Five) -> Five:
 
 
 @inlined
-def step(wing: Wing, y: Five, k_1: Five, t: float, h: float, c: float) -> tuple[Five, Five, float]:
+def step(
+    wing: IdealWing, y: Five, k_1: Five, t: float, h: float, c: float
+) -> tuple[Five, Five, float]:
     """One time step.
 
     By the formula of order 5(4) of J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980)
@@ -143,7 +145,7 @@ def step(wing: Wing, y: Five, k_1: Five, t: float, h: float, c: float) -> tuple[
 
 
 @inlined
-def _on_curve(wing: Wing, y: Five, c: float) -> Five:
+def _on_curve(wing: IdealWing, y: Five, c: float) -> Five:
     """State moved, by the square of a small distance, back to unit circles and a closed loop."""
     l_1, l_2 = wing.l_1, wing.l_2
     c_1, s_1, c_2, s_2, w = y
@@ -166,7 +168,7 @@ def _on_curve(wing: Wing, y: Five, c: float) -> Five:
 
 
 @inlined
-def slider(wing: Wing, y: Five, w_rate: float) -> tuple[float, float, float]:
+def slider(wing: IdealWing, y: Five, w_rate: float) -> tuple[float, float, float]:
     """Position (m), velocity (m/s) and acceleration (m/s^2) of the slider.
 
     `w_rate` is the last of the `rates` of the state y.

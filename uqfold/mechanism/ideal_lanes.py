@@ -10,13 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uqfold.mechanism.closed_loop import Five, Wing, rates, slider, step
+from uqfold.mechanism.closed_loop import Five, IdealWing, rates, slider, step
 from uqfold.mechanism.compiled import inlined, kernel
 from uqfold.mechanism.events import NOT_IN_STEP, quintic
 from uqfold.mechanism.lane_rows import LANES, lane_access, row_count
 from uqfold.mechanism.loads import next_drive_corner
-from uqfold.mechanism.wing import Wing as WingNumbers
-from uqfold.mechanism.wing import wing_constants
+from uqfold.mechanism.wing import Wing, wing_constants
 
 _STEP_AFTER_CORNER = 0.04
 _LARGEST_STEP = 0.1
@@ -33,12 +32,12 @@ class Motion(NamedTuple):
 
 # Rows of the table of lanes: the wing; time, next step, next corner of the drive, step taken and
 # whether to look closer; motion now and before the step taken.
-_T, _H, _CORNER, _TAKEN, _LOOK = range(row_count(Wing), row_count(Wing) + 5)
+_T, _H, _CORNER, _TAKEN, _LOOK = range(row_count(IdealWing), row_count(IdealWing) + 5)
 _NOW = _LOOK + 1
 _BEFORE = _NOW + row_count(Motion)
 _ROWS = _BEFORE + row_count(Motion)
 
-_wing, _put_wing = lane_access(Wing)
+_wing, _put_wing = lane_access(IdealWing)
 _motion, _put_motion = lane_access(Motion)
 
 
@@ -52,10 +51,10 @@ def resting_lanes() -> NDArray[np.float64]:
 
 
 @kernel
-def start_lane(p: WingNumbers, lanes: NDArray[np.float64], j: int) -> None:
+def start_lane(p: Wing, lanes: NDArray[np.float64], j: int) -> None:
     """Fill lane `j` with a wing at rest."""
     w = wing_constants(p)
-    wing = Wing(
+    wing = IdealWing(
         l_1=w.l_1,
         l_2=2.0 * w.half_l_2,
         J_A=1.0 / w.inverse_J_A,

@@ -132,7 +132,7 @@ def stiff_step(
     Returns
     -------
     tuple
-        State at the end, and the local error over the tolerance, infinite where it is no number; a
+        State at the end, and the local error over the tolerance, infinite where it is NaN; a
         turn beyond `LARGEST_TURN` counts as an error, as in the explicit steps.
     """
     h = t_end - start.t

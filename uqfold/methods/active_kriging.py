@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, TypeAlias, get_args
+from typing import ClassVar, get_args
 
 import numpy as np
 
@@ -35,13 +35,12 @@ from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.kernel_choice import KernelFits
-from uqfold.surrogates.kernels import Kernel
+from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.learning import LearningFunction
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.system.surface_rule import MAX_POINTS
 from uqfold.typing import FloatArray, IntArray
 
-KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
 MAX_RUNS = 1_000
 """Ceiling on the training size: every step of learning costs its cube."""
 # Evaluations of the correlation function that an integration over the surface may cost.

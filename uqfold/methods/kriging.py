@@ -20,13 +20,12 @@ from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import checked_spread
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
-from uqfold.surrogates.kernels import Kernel
+from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.system.surface_rule import MAX_POINTS
 from uqfold.typing import IntArray
 
 Trend: TypeAlias = Literal["best", "constant", "linear", "quadratic", "pce"]
-KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
 
 MAX_RUNS = 2_000
 """Ceiling on the training size: a fit costs its cube."""

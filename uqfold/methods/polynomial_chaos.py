@@ -34,8 +34,8 @@ from uqfold.typing import FloatArray
 MAX_GROWN = 2_000
 """Runs to which a design grows by itself."""
 
-Design: TypeAlias = Literal["space-filling", "ffni"]
-Basis: TypeAlias = Literal["best", "hermite", "own"]
+DesignName: TypeAlias = Literal["space-filling", "ffni"]
+BasisName: TypeAlias = Literal["best", "hermite", "own"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,8 @@ class PolynomialChaos(SequentialMethod):
     runs: int | None = None
     sparse: bool = True
     max_degree: int = 10
-    basis: Basis = "best"
-    design: Design = "space-filling"
+    basis: BasisName = "best"
+    design: DesignName = "space-filling"
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
     spread: float = DEFAULT_SPREAD
@@ -127,8 +127,8 @@ class PolynomialChaos(SequentialMethod):
         keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "sparse", flag)
         keep(self, "max_degree", whole, at_least=1)
-        keep(self, "basis", choice, get_args(Basis))
-        keep(self, "design", choice, get_args(Design))
+        keep(self, "basis", choice, get_args(BasisName))
+        keep(self, "design", choice, get_args(DesignName))
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
         keep(self, "spread", checked_spread)

@@ -86,7 +86,7 @@ def _loaded(entry: EntryPoint) -> type[ReliabilityMethod] | str:
     try:
         loaded = entry.load()
         if not (isinstance(loaded, type) and issubclass(loaded, ReliabilityMethod)):
-            return f"{entry.value} is no ReliabilityMethod"
+            return f"{entry.value} is not a ReliabilityMethod"
         if not (isinstance(loaded.title, str) and isinstance(loaded(), ReliabilityMethod)):
             return f"{entry.value} has no title"
     except KeyboardInterrupt:

@@ -44,7 +44,7 @@ class NormalDistribution:
 
     @property
     def bounded(self) -> bool:
-        """True."""
+        """Whether the density has a bound: that of a normal distribution has."""
         return True
 
     @property

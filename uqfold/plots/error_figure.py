@@ -1,4 +1,4 @@
-"""Error against cost: which method tells most for its model runs."""
+"""Error against cost: which method tells most for its evaluations."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SMALLEST = 1e-16
 
 @figure_settings()
 def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw the error of Eq. (49) over the number of model runs, both logarithmic.
+    """Draw the error of Eq. (49) over the number of evaluations, both logarithmic.
 
     A small marker is one criterion, filled where the error exceeds two standard errors of the
     reference and hollow where the reference cannot judge it; the large marker is the median.

@@ -147,7 +147,7 @@ def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
     Raises
     ------
     TypeError, ValueError
-        If `frame` is no frame of `uqfold.compare`, or has no rows.
+        If `frame` is not a frame of `uqfold.compare`, or has no rows.
     """
     import pandas as pd
 

@@ -31,19 +31,19 @@ from uqfold.problems.deployment_time import (
 )
 from uqfold.problems.reference import load_references
 
-Table: TypeAlias = Mapping[str, tuple[float, float]]
+InputTable: TypeAlias = Mapping[str, tuple[float, float]]
 """Input -> (mean, standard deviation), in `INPUT_UNITS`."""
 
 SHARED = ("V_q", "delta")
 
-TABLE_6: Table = {
+TABLE_6: InputTable = {
     "V_q": (140.0, 10.0),
     "delta": (0.0, 5.0),
     "k_d": (550.0, 10.0),
     "b": (7.0, 0.25),
     "C_r": (1.5, 0.05),
 }
-TABLE_10: Table = {
+TABLE_10: InputTable = {
     "V_q": (200.0, 25.0),
     "delta": (0.0, 25.0),
     "k_d": (1100.0, 10.0),
@@ -155,11 +155,11 @@ def _checked(parameters: WingParameters | None) -> WingParameters:
 
 
 def _changed(
-    table: Table,
+    table: InputTable,
     wing: WingParameters,
     means: Mapping[str, float] | None,
     standard_deviations: Mapping[str, float] | None,
-) -> Table:
+) -> InputTable:
     """Put the changed values into the table, if they are possible."""
     new_means = or_none("means", means, mapping, real) or {}
     new_deviations = (
@@ -185,7 +185,7 @@ def _changed(
 def _problem(
     name: str,
     wing: WingParameters,
-    table: Table,
+    table: InputTable,
     default: Criteria | None,
     *,
     references: str | None,

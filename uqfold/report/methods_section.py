@@ -135,7 +135,7 @@ def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) ->
         facts["budget of each method"] = f"{header['max_evals']:,} evaluations"
     if header["failed_runs"]:
         policy = _POLICIES.get(header["failed_runs"], header["failed_runs"])
-        facts["failed model runs"] = literal(policy)
+        facts["failed evaluations"] = literal(policy)
     reference = header["reference"]
     facts["reference"] = "none"
     if reference is not None:

@@ -10,6 +10,8 @@ from uqfold.typing import FloatArray
 
 Kernel: TypeAlias = Literal["gaussian", "matern52"]
 """``gaussian``: infinitely smooth surfaces; ``matern52``: twice differentiable ones."""
+KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
+"""A kernel, or whichever predicts left-out runs best."""
 
 
 def correlation(kernel: Kernel, squared: FloatArray) -> FloatArray:

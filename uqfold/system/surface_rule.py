@@ -37,7 +37,7 @@ _ACCEPTABLE = 3e-3
 # Errors beyond which quasi-random lines are better than a product that was cut down.
 _TOO_COARSE = 0.1
 MOST_SHARED = 33
-"""Shared nodes beside lines that are no product."""
+"""Shared nodes beside lines that do not form a product."""
 # Rules that need so many times the points that there are will not be cut down to them.
 _HOPELESS = 10.0
 # Individual variables up to which every direction is tried for lines.

@@ -36,7 +36,7 @@ class CountingModel:
         return self._count.rows
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Give the responses (n,) of X (n, d)."""
+        """Return the responses (n,) of X (n, d)."""
         self._count.add(x)
         y = self.system.response(x)
         x[:] = 1e9
@@ -64,7 +64,7 @@ def same_numbers(
 
 
 def counted(system: LinearNormalSystem) -> tuple[Problem, CountingModel]:
-    """Give the system's problem around a counting model."""
+    """Return the system's problem around a counting model."""
     model = CountingModel(system)
     plain = system.problem()
     problem = Problem(

@@ -13,7 +13,7 @@ class RowCount:
     """Rows that a model has been run on, for models that count.
 
     The evaluator runs a few rows of the first call with several rows again alone, to see how the
-    model is called. These repeats are no evaluations.
+    model is called. These repeats do not count as evaluations.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ class CurvedSystem:
     shared_std: float = 0.4
 
     def problem(self) -> Problem:
-        """Give the system as a problem with one shared and two individual inputs."""
+        """Return the system as a problem with one shared and two individual inputs."""
         return Problem(
             self.response,
             shared={"V": normal(0.0, 1.0)},

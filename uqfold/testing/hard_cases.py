@@ -66,7 +66,7 @@ def check_boundary_works(method: ReliabilityMethod, _: Settings) -> None:
 
 
 def check_infinite_response_fails(method: ReliabilityMethod, settings: Settings) -> None:
-    """+inf is a valid response that fails: it is counted, and is no failed run."""
+    """+inf is a valid response that fails: it is counted, and is not a failed run."""
     system = LinearNormalSystem()
 
     def never_in_a_corner(x: FloatArray) -> FloatArray:

@@ -49,7 +49,7 @@ class LinearNormalSystem:
         keep(self, "individual_std", real, above=0.0)
 
     def problem(self) -> Problem:
-        """Give the system as a problem with one shared and two individual inputs."""
+        """Return the system as a problem with one shared and two individual inputs."""
         return Problem(
             self.response,
             shared={"V": normal(0.0, 1.0)},

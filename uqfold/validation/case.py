@@ -36,7 +36,7 @@ STRICT = ConfigDict(extra="forbid", ser_json_inf_nan="strings")
 
 
 class CaseError(ValueError):
-    """A folder is no validation case, or no case has that name."""
+    """A folder is not a validation case, or no case has that name."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def load_cases(folder: str | os.PathLike[str]) -> list[Case]:
     path = Path(folder).resolve()
     for name in (DECLARATION, MEASURE):
         if not (path / name).is_file():
-            raise CaseError(f"the folder {path.name} is no validation case: it has no {name}")
+            raise CaseError(f"the folder {path.name} is not a validation case: it has no {name}")
     try:
         document = tomllib.loads((path / DECLARATION).read_text(encoding="utf-8"))
         if document.pop("schema", None) != SCHEMA:

@@ -29,7 +29,7 @@ from uqfold.validation.findings import Finding, Verdict, verdict_of
 if TYPE_CHECKING:
     import pandas as pd
 
-Cell: TypeAlias = float | str | None
+CellValue: TypeAlias = float | str | None
 """A finite number, a text, or None for nothing."""
 Log: TypeAlias = Literal["", "x", "y", "xy"]
 DIGITS = 9
@@ -52,7 +52,7 @@ class Table:
 
     title: str
     columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: tuple[tuple[CellValue, ...], ...]
 
     def __post_init__(self) -> None:
         keep(self, "title", text)
@@ -190,7 +190,7 @@ def claim_verdicts(claims: Iterable[Claim], findings: Iterable[Finding]) -> dict
     }
 
 
-def _cell(name: str, value: Any) -> Cell:
+def _cell(name: str, value: Any) -> CellValue:
     simple = plain(value)
     if simple is None or isinstance(simple, str):
         return simple

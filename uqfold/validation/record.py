@@ -28,7 +28,7 @@ SCHEMA: Literal["uqfold-validation/2"] = "uqfold-validation/2"
 
 
 class RecordError(ValueError):
-    """A file is no record of a validation case, or a damaged one."""
+    """A file is not a record of a validation case, or a damaged one."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,8 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
     except (ValueError, TypeError) as error:
         text = refusal(error) if isinstance(error, ValueError) else str(error)
         raise RecordError(
-            f"{file.name} is no readable record of a validation case: {text}. Records are written "
-            "by `uqfold validate`; see docs/validation.md"
+            f"{file.name} is not a readable record of a validation case: {text}. Records are "
+            "written by `uqfold validate`; see docs/validation.md"
         ) from error
     return record
 

@@ -112,7 +112,7 @@ def _thinned(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _slipped(known: Sequence[Reference]) -> list[Reference]:
-    """Give every criterion the answer of the next one, as a table does that slipped by a row."""
+    """Return the answers one criterion late, as a table has them that slipped by a row."""
     after = [*known[1:], known[0]]
     return [
         replace(other, criterion=one.criterion) for one, other in zip(known, after, strict=True)

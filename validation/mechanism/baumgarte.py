@@ -19,7 +19,7 @@ from validation.mechanism.independent import follow
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class BaumgarteMotion:
     """Motion of one wing at the n points that the steps ended on.
 
     Attributes
@@ -88,7 +88,7 @@ class Multibody:
 
 def baumgarte_motion(
     parameters: WingParameters, alpha: float = 50.0, beta: float = 50.0, rtol: float = 1e-9
-) -> Motion:
+) -> BaumgarteMotion:
     """Return the motion of one wing by Eq. (20), up to the lock, or to t_max without one.
 
     Parameters
@@ -104,4 +104,4 @@ def baumgarte_motion(
     time, states, locked = follow(multibody, rtol, rtol / 100)
     drift = np.array([multibody.constraints(state) for state in states])
     position, velocity = np.abs(drift).max(axis=2).T
-    return Motion(time, states, position, velocity, locked)
+    return BaumgarteMotion(time, states, position, velocity, locked)

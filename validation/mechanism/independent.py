@@ -22,7 +22,7 @@ DRIVE_CORNERS = (0.01, 0.61, 0.62)
 _HAIR = 1e-11
 
 
-class Wing:
+class FiveCoordinateWing:
     """Equations of motion in five coordinates, as `follow` takes them."""
 
     slider = 4
@@ -71,7 +71,7 @@ def deployment_time(
     method: str = "DOP853",
 ) -> float:
     """Return the time of the lock (s) by SciPy, +inf without one until `t_max`."""
-    return follow(Wing(p), rtol, atol, max_step, method=method)[2]
+    return follow(FiveCoordinateWing(p), rtol, atol, max_step, method=method)[2]
 
 
 def follow(
@@ -87,7 +87,7 @@ def follow(
     Parameters
     ----------
     wing
-        A `Wing`, or what has its `p`, `start`, `rates`, `penetration` and `slider`.
+        A `FiveCoordinateWing`, or what has its `p`, `start`, `rates`, `penetration` and `slider`.
     rtol, atol, max_step, method
         As in `scipy.integrate.solve_ivp`; `max_step` (s) holds while a joint is in contact.
 

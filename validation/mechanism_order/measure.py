@@ -27,7 +27,7 @@ from uqfold.mechanism.motion import accelerations, directions, gaps
 from uqfold.mechanism.timestep import LARGEST_GROWTH, State, attempt
 from uqfold.mechanism.wing import Wings, wing_constants
 from uqfold.validation import Finding, Measurement, Points, Table, Work
-from validation.mechanism.independent import Wing
+from validation.mechanism.independent import FiveCoordinateWing
 from validation.mechanism.parameter_sets import TABLE_6, means
 
 COUNTS = (8, 16, 32, 64, 128)
@@ -68,7 +68,7 @@ def smooth_errors(fault: str | None) -> list[dict[str, Any]]:
     """Errors (m, rad) at the end of the smooth stretch for each number of steps."""
     wing = means(TABLE_6).replace(C_f=0.0)
     start, w, onsets = contact_start(wing)
-    equations = Wing(wing)
+    equations = FiveCoordinateWing(wing)
     run = solve_ivp(
         lambda t, y: equations.rates(t, y, onsets),
         (start.t, start.t + STRETCH),

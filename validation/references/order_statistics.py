@@ -72,7 +72,7 @@ class Rules:
 
 Distribution: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 """H, S = 1 - H and h at some responses."""
-Unit: TypeAlias = Callable[[FloatArray, float, Rules], Distribution]
+UnitLaw: TypeAlias = Callable[[FloatArray, float, Rules], Distribution]
 """The distribution of one unit's response at responses (k,), given the standardised shared
 variable."""
 
@@ -109,7 +109,7 @@ def gauss_panels(start: float, width: float, count: int, k: int) -> tuple[FloatA
     return left[:, None] + 0.5 * width * (x + 1.0), 0.5 * width * w
 
 
-def integrate(unit: Unit, grid: Grid, rules: Rules) -> FloatArray:
+def integrate(unit: UnitLaw, grid: Grid, rules: Rules) -> FloatArray:
     """Return failure probabilities of the shape of the grid."""
     edges = [rules.panels(threshold - rules.start) for threshold in grid.thresholds]
     nodes, weights = gauss_panels(rules.start, rules.width, max(edges), rules.panel_nodes)
@@ -151,7 +151,7 @@ def mission_failure(f: FloatArray, profile: Missions) -> FloatArray:
     return failure
 
 
-def references(unit: Unit, grid: Grid, coarse: Rules, fine: Rules) -> list[Reference]:
+def references(unit: UnitLaw, grid: Grid, coarse: Rules, fine: Rules) -> list[Reference]:
     """Return the answers by the finer rules; their bound is the change from the coarser ones."""
     rough, pf = integrate(unit, grid, coarse), integrate(unit, grid, fine)
     return grid.references(pf, np.abs(pf - rough) + ROUNDING * pf)

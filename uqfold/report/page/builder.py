@@ -163,7 +163,7 @@ class Page:
         Raises
         ------
         TypeError, ValueError
-            If `frame` is no frame, or `belongs` has not one name per row.
+            If `frame` is not a frame, or `belongs` has not one name per row.
         """
         import pandas as pd
 

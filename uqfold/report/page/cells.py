@@ -34,7 +34,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Grid:
+class TypesetTable:
     """Head (k,), whether columns are numeric (k,), and rows of cells (n, k)."""
 
     head: tuple[str, ...]
@@ -46,7 +46,7 @@ def grid(
     frame: pd.DataFrame,
     formats: Mapping[str, Formatter],
     tones: Mapping[str, Tone],
-) -> Grid:
+) -> TypesetTable:
     """Return the cells of a frame; a named index comes first.
 
     Parameters
@@ -73,7 +73,7 @@ def grid(
         and all(one.value is not None or not one.text for one in column)
         for column in cells
     )
-    return Grid(heads, numeric, tuple(zip(*cells, strict=True)))
+    return TypesetTable(heads, numeric, tuple(zip(*cells, strict=True)))
 
 
 def _cell(value: Any, write: Formatter, tones: Mapping[str, Tone]) -> Cell:

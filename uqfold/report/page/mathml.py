@@ -28,7 +28,7 @@ _LONGEST = 4000
 
 @cache
 def mathml(latex: str) -> str | None:
-    """Give a displayed equation as MathML, or None where it cannot be had.
+    """Return a displayed equation as MathML, or None where it cannot be had.
 
     Parameters
     ----------
