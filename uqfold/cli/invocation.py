@@ -39,7 +39,7 @@ class Interrupts:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Give the signal back."""
+        """Put the former handler of the signal back."""
         if self._answer is not None:
             signal.signal(signal.SIGINT, self._answer)
 
