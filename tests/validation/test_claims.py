@@ -145,7 +145,8 @@ def no_trough(results: Results) -> None:
     early = frame["threshold"] < 0.556
     smaller = early & (frame["problem"] == "condition-11")
     larger = early & (frame["problem"] == "condition-12")
-    set_pf(frame, smaller, frame.loc[larger, "pf"].to_numpy())
+    both = ["pf", "reliability"]
+    frame.loc[smaller, both] = frame.loc[larger, both].to_numpy()
 
 
 def clearance_matters(results: Results) -> None:
