@@ -1,6 +1,7 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from uqfold.validation import Measurement, Points, Table
@@ -14,6 +15,11 @@ def test_table_of_rows() -> None:
     table = Table.of("Times", rows)
     assert table.columns == ("set", "time (s)", "ok", "share")
     assert table.rows == (("a", 1.0, "yes", 0.333333333), ("b", "inf", "no", None))
+
+
+def test_table_of_a_frame() -> None:
+    rows = [{"set": "a", "time (s)": 1.5, "ok": True}, {"set": "b", "time (s)": None, "ok": False}]
+    assert Table.of("Times", pd.DataFrame(rows)) == Table.of("Times", rows)
 
 
 @pytest.mark.parametrize(

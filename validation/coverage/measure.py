@@ -84,6 +84,8 @@ def summary(name: str, question: str, rows: pd.DataFrame) -> dict[str, Any]:
     guess = (inside.sum() + 2.0) / (n + 4.0)
     z = rows["z"].dropna()
     squares = z**2
+    # of the root mean square of z, by the delta method
+    spread = squares.std() / math.sqrt(max(len(z), 1)) / (2.0 * squares.mean())
     return {
         "method": name,
         "error kind": rows["error_kind"].iloc[0],
@@ -93,11 +95,7 @@ def summary(name: str, question: str, rows: pd.DataFrame) -> dict[str, Any]:
         "coverage (%)": 100.0 * inside.mean(),
         "its two standard errors (%)": 100.0 * TWO * math.sqrt(guess * (1.0 - guess) / (n + 4.0)),
         "empirical over stated error": rms(z),
-        # of the root mean square of z, by the delta method
-        "its relative two standard errors": TWO
-        * squares.std()
-        / math.sqrt(max(len(z), 1))
-        / (2.0 * squares.mean()),
+        "its relative two standard errors": TWO * spread,
         "mean error (stated errors)": z.mean(),
     }
 

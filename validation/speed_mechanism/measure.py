@@ -106,7 +106,8 @@ def measure(work: Work) -> Measurement:
         rows.append(timed("uqfold, lanes on one core", lanes, reference, repeats=5))
     speeds = pd.DataFrame(rows).set_index("contender")
     own = speeds.iloc[-1]
-    speeds["lanes are faster (times)"] = over = own["speed (1/s)"] / speeds["speed (1/s)"]
+    over = own["speed (1/s)"] / speeds["speed (1/s)"]
+    speeds["lanes are faster (times)"] = over
     findings = [
         Finding("lanes over SciPy with a Python right-hand side", over[[*PYTHON]].min(),
                 OVER_PYTHON, at_least=True),
