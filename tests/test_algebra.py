@@ -7,16 +7,17 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401 - brings a BLAS library of its own
+import scipy.optimize
 from threadpoolctl import ThreadpoolController
 
 import uqfold
 from uqfold import algebra
 from uqfold.algebra import one_blas_thread, program_blas_threads
-from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import (
     ActiveKriging,
     FFNIPearson,
@@ -194,40 +195,56 @@ def test_model_runs_with_the_setting_of_the_program(method: uqfold.ReliabilityMe
     assert setting() == THREE
 
 
-def test_four_threads_with_kriging_leave_the_setting_of_the_program() -> None:
-    barrier, ended = threading.Barrier(4, timeout=60.0), list[str]()
+def test_four_threads_comparing_with_kriging_leave_the_setting_of_the_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They fit at once; the first to begin is the first to end, and one of them fails.
+
+    With a setting that each thread saves and restores by itself, the last one restores what the
+    others had set.
+    """
+    begun, over = ([threading.Event() for _ in range(4)] for _ in range(2))
+    seen = list[list[int]]()
+    fitting = threading.local()
+    minimize = scipy.optimize.minimize
+
+    def in_turn(*arguments: Any, **options: Any) -> Any:
+        if not hasattr(fitting, "met"):
+            fitting.met, number = True, int(threading.current_thread().name)
+            begun[number].set()
+            assert all(other.wait(60.0) for other in begun)
+            # the others are within their fits until this one is done with its comparison
+            assert number == 0 or over[number - 1].wait(60.0)
+            seen.append(setting())
+            if number == 2:
+                raise KeyboardInterrupt
+        return minimize(*arguments, **options)
+
+    monkeypatch.setattr(scipy.optimize, "minimize", in_turn)
+    method = Kriging(runs=12, kernel="gaussian", trend="constant")
+    ended = list[str]()
 
     def work(number: int) -> None:
-        met = False
-
-        def model(x: np.ndarray) -> np.ndarray:
-            nonlocal met
-            if not met:
-                # all of them are within their estimates now
-                barrier.wait()
-                met = True
-            if number == 3:
-                raise ValueError("planted")
-            return np.asarray(x.sum(axis=1))
-
-        inputs = CurvedSystem().problem().inputs.distribution
-        problem = uqfold.Problem(
-            model, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=2
-        )
         try:
-            Kriging(runs=12, kernel="gaussian", trend="linear").estimate(
-                problem, uqfold.criteria(12.5), rng=number, evaluator=Evaluator("raise")
+            # the setting of the program is saved by one after the other
+            assert number == 0 or begun[number - 1].wait(60.0)
+            frame = uqfold.compare(
+                CurvedSystem(units=1).problem(), [method], uqfold.criteria(12.5), rng=number
             )
-            ended.append("finished")
-        except FailedRunError:
-            ended.append("raised")
+            ended.append(str(frame["label"].item()))
+        except KeyboardInterrupt:
+            ended.append("interrupted")
+        finally:
+            begun[number].set()
+            over[number].set()
 
-    threads = [threading.Thread(target=work, args=(number,)) for number in range(4)]
+    threads = [threading.Thread(target=work, args=(k,), name=str(k)) for k in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert sorted(ended) == ["finished", "finished", "finished", "raised"]
+    assert ended == ["kriging", "kriging", "interrupted", "kriging"]
+    assert seen == [ONE] * 4
     assert setting() == THREE
 
 
