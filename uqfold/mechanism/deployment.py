@@ -1,8 +1,8 @@
 """Deployment times of a batch of wings.
 
-Two time loops run the same time step and give the same bits: `deploy_lanes` advances many wings
-side by side, for speed; `deploy_rows` advances one after the other, as the readable reference, and
-records the motion.
+Two time loops run the same time step and give the same bits on the same processor: `deploy_lanes`
+advances many wings side by side, for speed; `deploy_rows` advances one after the other, as the
+readable reference, and records the motion.
 """
 
 import math

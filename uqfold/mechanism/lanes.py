@@ -2,8 +2,8 @@
 
 The compiler packs the lanes of one loop (see `uqfold.mechanism.lane_rows`), which runs the very
 time step of the scalar form. Additions and multiplications stay separate and in order, so a lane
-computes the same bits as the scalar form, wherever it lies and however wide the machine's
-instructions are.
+computes the same bits as the scalar form on the same processor, wherever it lies and however wide
+the instructions are.
 
 What happens in few time steps only (rejection, contact onset and loss, corners of the drive, lock)
 is marked in the loop and then seen to lane by lane in scalar code.

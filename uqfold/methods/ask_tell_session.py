@@ -48,8 +48,8 @@ class AskTellSession:
             session.tell(x, my_model(x))
         result = session.result()
 
-    The result is that of `estimate` with the same arguments, bit for bit, except for `seconds`,
-    which counts the method's own time only.
+    On the same processor the result is that of `estimate` with the same arguments, bit for bit,
+    except for `seconds`, which counts the method's own time only.
     """
 
     def __init__(

@@ -195,7 +195,7 @@ def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> Non
 
 
 def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, _: Settings) -> None:
-    """A new interpreter with other string hashing gives the same numbers, bit for bit."""
+    """A new interpreter on the same processor, with other string hashing, gives the same bits."""
     settings = {f.name: getattr(method, f.name) for f in fields(method)}
     code = (
         f"from {type(method).__module__} import {type(method).__qualname__} as Method\n"
