@@ -385,6 +385,13 @@ def _qualified(estimate: Estimate, unfinished: str, doubts: list[str]) -> Estima
     if estimate.status in NO_ANSWER or not reasons:
         return estimate
     doubtful = doubts or estimate.status == "doubtful"
+    if doubts:
+        # what the surface says of its own error is not believed either
+        unknown = math.nan
+        estimate = replace(
+            estimate, std_error=unknown, ci_low=unknown, ci_high=unknown, ci_kind="",
+            error_kind="none",
+        )  # fmt: skip
     return replace(
         estimate,
         status="doubtful" if doubtful else "budget_exhausted",

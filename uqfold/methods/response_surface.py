@@ -37,6 +37,11 @@ _T95 = 2.093
 _POOR_PREDICTION = 0.1
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
+# The runs nearest to a threshold, at least so many and this share of all, and how many times
+# their residuals may exceed what the surface states for them by chance.
+_FEWEST_NEAR, _SHARE_NEAR, _BY_CHANCE = 10, 0.1, 2.0
+# Last digit of the responses, in their spread, from which rounding is more than a nuisance.
+_COARSE_DIGITS = 1e-3
 
 
 class ResponseSurface(Protocol):
@@ -141,6 +146,7 @@ def surface_estimates(
     max_points: int = MAX_POINTS,
     beta_std: FloatArray | None = None,
     stated_noise: float | None = None,
+    stepped: bool = True,
 ) -> SurfaceAnswers:
     """Answer the criteria of a task from a fitted surface.
 
@@ -169,12 +175,15 @@ def surface_estimates(
         cross-validation.
     stated_noise
         The noise that the settings state; None where it is learned.
+    stepped
+        Whether equal responses of different runs mean steps; those at nodes of a grid do not.
     """
 
     def work(stopped: str) -> SurfaceAnswers:
         made = replace(runs, stopped=stopped) if stopped else runs
         return _answered(
-            task, surface, made, rng, target_cov, noise, rivals, max_points, beta_std, stated_noise
+            task, surface, made, rng, target_cov, noise, rivals, max_points, beta_std,
+            stated_noise, stepped,
         )
 
     return task.summed_up(work)
@@ -191,6 +200,7 @@ def _answered(
     max_points: int,
     beta_std: FloatArray | None,
     stated_noise: float | None,
+    stepped: bool,
 ) -> SurfaceAnswers:
     problem = task.problem
     inputs = problem.inputs
@@ -221,10 +231,13 @@ def _answered(
     drawn = system.coarse_responses(surface.mean, others, outcomes, noise)
     shares = np.array([rival.share for rival in rivals])
 
+    known = runs.y[runs.finite]
+
     def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
         changes = system.changes_given(drawn, criteria)
         # a surface that misses its own runs by more than it says is believed nowhere
-        spread = max(1.0, validated.ratio) * changes[:_DRAWS].std(axis=0, ddof=1)
+        factor = [_overconfidence(validated, known, one.threshold) for one in criteria]
+        spread = np.array(factor) * changes[:_DRAWS].std(axis=0, ddof=1)
         if rivals:
             distance = shares[:, None] * changes[_DRAWS:]
             spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
@@ -243,12 +256,17 @@ def _answered(
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
+        sides = [_step(known, criterion) for criterion in criteria] if stepped else []
+        for side in zip(*sides, strict=True):
+            beyond = reliability_indices(system.failures_given(responses, side))
+            # the border lies somewhere in the step: two standard deviations reach its end
+            spread = np.maximum(spread, 0.5 * np.abs(beyond - reliability_indices(found)))
         rest = system.integration_errors(responses, criteria)
         name = "sampling" if responses.parts else "integration"
         density = _density(reliability_indices(found))
         errors.training[list(rows)] = density * spread
         getattr(errors, name)[list(rows)] = density * rest
-        return _estimates(found, spread, rest, name, own, runs, target_cov)
+        return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
 
     estimates = estimates_by_blocks(count, answers)
     shortfall = max(
@@ -280,11 +298,37 @@ def _density(beta: FloatArray) -> FloatArray:
     return np.asarray(np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi))
 
 
+def _overconfidence(validated: LeaveOneOut, y: FloatArray, threshold: float) -> float:
+    """Factor by which residuals exceed what the surface states, near a threshold or everywhere."""
+    count = max(_FEWEST_NEAR, int(_SHARE_NEAR * y.size))
+    near = validated.among(np.argsort(np.abs(y - threshold), kind="stable")[:count])
+    return max(1.0, validated.ratio, near.ratio if near.ratio > _BY_CHANCE else 0.0)
+
+
+def _step(y: FloatArray, criterion: Criterion) -> tuple[Criterion, Criterion]:
+    """Return a criterion at both ends of the step of the responses in which its threshold lies.
+
+    Different inputs that give the same response to the last bit lie on a plateau, in which a
+    smooth surface bends: where it crosses the threshold says nothing of where the step is.
+    """
+    values, counts = np.unique(y, return_counts=True)
+    above = int(np.searchsorted(values, criterion.threshold, side="right"))
+    ends = [i for i in (above - 1, above) if 0 <= i < values.size]
+    if not any(counts[i] > 1 for i in ends):
+        return criterion, criterion
+    low, high = float(values[ends[0]]), float(values[ends[-1]])
+    return (
+        replace(criterion, threshold=min(low, criterion.threshold)),
+        replace(criterion, threshold=max(high, criterion.threshold)),
+    )
+
+
 def _estimates(
     found: Sequence[SystemProbability],
     training: FloatArray,
     rest: FloatArray,
     rest_name: str,
+    criteria: Sequence[Criterion],
     doubts: list[list[str]],
     runs: DesignRuns,
     target_cov: float,
@@ -297,8 +341,10 @@ def _estimates(
     low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
     numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
     return [
-        _estimate(one, *errors, own, part, runs, target_cov)
-        for one, errors, own, part in zip(found, numbers, doubts, mostly, strict=True)
+        _estimate(one, *errors, criterion, own, part, runs, target_cov)
+        for one, errors, criterion, own, part in zip(
+            found, numbers, criteria, doubts, mostly, strict=True
+        )
     ]
 
 
@@ -307,21 +353,24 @@ def _estimate(
     std_error: float,
     low: float,
     high: float,
+    criterion: Criterion,
     doubts: list[str],
     mostly: str,
     runs: DesignRuns,
     target_cov: float,
 ) -> Estimate:
     certain = found.pf in (0.0, 1.0)
-    if not certain and std_error > target_cov * min(found.pf, found.reliability):
+    # what the surface says about its own error says nothing about what it does not describe
+    if certain and math.isfinite(criterion.threshold):
+        doubts = [*doubts, f"pf = {found.pf:g} is the surface's: no run says what lies beyond it"]
+    unknown = not runs.complete or bool(doubts)
+    if not (certain or unknown) and std_error > target_cov * min(found.pf, found.reliability):
         doubts = [
             *doubts,
             f"the stated error, mostly of {mostly}, is above {100.0 * target_cov:.3g}% of pf or of "
             "the reliability",
         ]
-    unknown = not runs.complete or (certain and bool(doubts))
     if unknown:
-        # what the surface says about its own error says nothing about what it does not describe
         std_error = low = high = math.nan
         certain = False
     exhausted = runs.y.size < runs.asked or bool(runs.stopped)
@@ -366,6 +415,13 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
         )
     if runs.failed:
         doubts.append("what the failed runs would have been may change the surface everywhere")
+    scatter = float(runs.y[runs.finite].std())
+    last_digit = float(np.spacing(np.abs(runs.y[runs.finite]).max()))
+    if last_digit > _COARSE_DIGITS * scatter > 0.0:
+        doubts.append(
+            f"responses differ by {scatter:.2g}, and their last digit stands for {last_digit:.2g}: "
+            "let the model give their difference from a constant"
+        )
     if np.ptp(runs.y[runs.finite]) == 0.0:
         doubts.append("all runs gave the same response: where another one begins is not known")
     elif validated is not None and (share := _missed(validated, runs)) > _POOR_PREDICTION:

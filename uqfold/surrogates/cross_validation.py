@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, IntArray
 
 # Factor between stated and actual scatter that no sample of a dozen runs or more shows by chance.
 _CONTRADICTION = 2.0
@@ -38,6 +38,10 @@ class LeaveOneOut:
         """Root mean square of residuals in units of their stated standard deviation."""
         stated = np.maximum(self.std, np.finfo(float).tiny)
         return math.sqrt(float(np.mean((self.residuals / stated) ** 2)))
+
+    def among(self, some: IntArray) -> LeaveOneOut:
+        """Return what is known of some of the runs (k,) alone."""
+        return LeaveOneOut(self.residuals[some], self.std[some])
 
     def contradicts(self, noise: float | None) -> bool:
         """Whether a stated noise cannot be that of these residuals; None: none was stated.

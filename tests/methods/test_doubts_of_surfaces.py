@@ -1,0 +1,66 @@
+"""What a surface does not describe: it is doubted, and no interval pretends to know it."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import uqfold
+from uqfold.methods import PolynomialChaos
+from uqfold.methods.result import CriterionResult
+from uqfold.typing import FloatArray
+
+ROOT_TWO = math.sqrt(2.0)
+
+
+def answer(model: object, threshold: float, d: int = 2) -> CriterionResult:
+    problem = uqfold.Problem(model, individual=[stats.norm() for _ in range(d)])  # type: ignore[arg-type]
+    return PolynomialChaos().estimate(problem, uqfold.criteria(threshold), rng=0)[0]
+
+
+def test_responses_that_differ_in_their_last_digits_are_doubted() -> None:
+    """1e12 + 1e-3 u: pf = 1e-3 was called 0 with an error of 0, and converged."""
+    row = answer(lambda x: 1e12 + 1e-3 * x[:, 0], 1e12 + 3.05e-3, d=1)
+    assert row.status == "doubtful"
+    assert "last digit" in row.message
+    assert math.isnan(row.ci_low)
+
+
+def test_no_failure_on_the_surface_is_no_certainty() -> None:
+    """A thin band that no run has met: pf = 0 with an error of 0 is never converged."""
+
+    def band(x: FloatArray) -> FloatArray:
+        return np.tanh(0.1 * x[:, 0]) + 50.0 * (np.abs(x[:, 1] - 2.5) < 1e-4)
+
+    row = answer(band, 30.0)
+    assert (row.pf, row.status) == (0.0, "doubtful")
+    assert math.isnan(row.std_error)
+
+
+def test_a_threshold_at_infinity_stays_certain() -> None:
+    row = answer(lambda x: x.sum(axis=1), math.inf)
+    assert (row.pf, row.std_error, row.status) == (0.0, 0.0, "converged")
+
+
+@pytest.mark.parametrize("threshold", [0.0, 1.0])
+def test_the_interval_holds_the_step_in_which_the_threshold_lies(threshold: float) -> None:
+    """round(2 (x + y)) / 2: the border lies half a step beyond where a smooth surface crosses T."""
+    row = answer(lambda x: np.round(2.0 * x.sum(axis=1)) / 2.0, threshold)
+    exact = float(stats.norm.sf((threshold + 0.25) / ROOT_TWO))
+    assert row.status == "doubtful"
+    assert math.isnan(row.ci_low) or row.ci_low <= exact <= row.ci_high
+
+
+def test_a_surface_that_predicts_badly_states_no_interval() -> None:
+    """Two regimes: the interval of a surface that misses left-out runs held no truth."""
+
+    def regimes(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 0] < 1.0, x[:, 1], 1.0 - 2.0 * x[:, 1])
+
+    row = answer(regimes, 3.0)
+    assert row.status == "doubtful"
+    assert "left out" in row.message
+    assert math.isnan(row.ci_low)
+    assert math.isnan(row.std_error)
+    assert row.error_kind == "none"
