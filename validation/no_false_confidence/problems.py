@@ -324,10 +324,10 @@ def band_beside(pf: float) -> Hard:
 
 ROUGH = [
     sharp(4, 100.0, 2.5), sharp(6, 30.0, 3.0), sharp(4, 100.0, 2.5, inert=3),
-    kink(3.0), kink(5.0), largest(2, 3.0), largest(5, 3.5), largest(10, 4.0), hockey(6.0),
+    kink(3.0), kink(5.0), largest(2, 3.0), largest(10, 4.0), hockey(6.0),
     hockey(20.0),
     rounded(3.0), step(2.0, 3.0, 4.0, 2), step(3.5, 6.0, 5.0, 4), step(0.5, 1.0, 3.0, 6),
-    plateau(1.0, 0.5), plateau(4.0, 3.9), plateau(2.0, 2.5), indicator(1.5), indicator(4.0),
+    plateau(1.0, 0.5), plateau(4.0, 3.9), plateau(2.0, 2.5), indicator(1.5),
     regimes(3.0), switched(4.0),
     band(2.5, 4e-5, 1), band(1.0, 1e-3, 3), band_beside(1e-4),
 ]  # fmt: skip
@@ -507,7 +507,7 @@ def clayton_inputs() -> Any:
 
 
 SHAPED = [
-    uniforms(2, 1.9), uniforms(3, 2.95), uniforms(6, 5.0), uniforms(2, 2.5), student(3.0, 20.0),
+    uniforms(2, 1.9), uniforms(3, 2.95), uniforms(6, 5.0), student(3.0, 20.0),
     student(5.0, 8.0), pareto(9.0), beta_product(), correlated(0.7, 6.0),
     correlated_product(0.5, 4.0),
     Hard(
