@@ -1,6 +1,7 @@
 """FORM against exact answers, and on the traps where FORM goes wrong without a word."""
 
 import math
+import re
 
 import numpy as np
 import openturns as ot
@@ -8,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize
 from scipy.special import gammainccinv, log_ndtr, ndtr
+from scipy.stats import chi
 
 import uqfold
 from uqfold import Binomial, Evaluator, criteria
@@ -151,9 +153,10 @@ class TestCurvedLimitStates:
             key=lambda found: found.fun if found.success else math.inf,
         )  # fmt: skip
         result = FORM.estimate(limit_state(g))
-        # the cubic fails on the other side too, a little farther out
-        cubic = float(g(np.array([[-6.0, 0.0]]))[0]) < 0.0
-        assert result[0].status == ("doubtful" if cubic else "unchecked")
+        # the cubic fails on the other side too, a little farther out; the parabola is curved
+        other = float(g(np.array([[-6.0, 0.0]]))[0]) < 0.0
+        curved = float(g(np.array([[0.0, -6.0]]))[0]) > 10.0
+        assert result[0].status == ("doubtful" if other or curved else "unchecked")
         point = result.details.design_points[0]
         # an error r of the point costs beta about r^2 / 2 times the curvature (below one here),
         # and the differences over 0.2 cost a few thousandths of the direction
@@ -202,12 +205,13 @@ class TestTraps:
         assert result.details.design_points[0].beta_hl == pytest.approx(math.sqrt(5), abs=1e-3)
 
     def test_a_number_without_an_error_bar_is_not_called_converged(self) -> None:
-        """FORM is wrong by two orders for a sum of exponentials, and nothing shows it."""
+        """FORM is wrong by two orders for a sum of exponentials, and curvature shows it."""
         ten = {f"x{i}": ot.Exponential(1.0) for i in range(10)}
         problem = uqfold.Problem(lambda x: x.sum(axis=1), individual=ten, units=1)
         row = FORM.estimate(problem, criteria(float(gammainccinv(10, 1e-7))))[0]
         assert row.pf < 1e-8
-        assert (row.status, row.error_kind) == ("unchecked", "none")
+        assert (row.status, row.error_kind) == ("doubtful", "none")
+        assert "curved" in row.message
 
     def test_equal_design_points_on_both_sides(self) -> None:
         result = FORM.estimate(limit_state(lambda x: 9 - x[:, 0] ** 2 - 0.001 * x[:, 0]))
@@ -411,3 +415,28 @@ def test_a_point_is_judged_by_both_of_its_errors() -> None:
     right = Linearisation(np.array([1.0, 0.0]), 1.0, np.array([1.0, 0.0]))
     errors = [Search(1.0, [(p, "")]).error for p in (on_plane_but_aside, collinear_but_off, right)]
     assert errors == pytest.approx([1.0, 0.5, 0.0])
+
+
+@pytest.mark.parametrize("curvature", [0.05, -0.1])
+def test_curvature_that_matters_is_told_with_its_factor(curvature: float) -> None:
+    """FORM was ``unchecked`` on a limit state whose curvature changes pf by a factor of two."""
+    problem = uqfold.Problem(
+        lambda x: x[:, 0] + curvature * (x[:, 1:] ** 2).sum(axis=1),
+        individual=[STANDARD] * 6,
+        names=list("abcdef"),
+    )
+    row = FORM.estimate(problem, criteria(4.0))[0]
+    # over the radius r of the five curved directions
+    exact = quad(lambda r: ndtr(curvature * r**2 - 4.0) * chi(5).pdf(r), 0.0, 12.0, epsabs=0.0)[0]
+    assert row.status == "doubtful"
+    factor = float(re.findall(r"probability times ([\d.e+-]+):", row.message)[0])
+    assert factor == pytest.approx(exact / row.pf, rel=0.2)
+
+
+def test_a_flat_limit_state_stays_unchecked() -> None:
+    problem = uqfold.Problem(
+        lambda x: np.exp(0.1 * x.sum(axis=1)), individual=[STANDARD] * 4, names=list("abcd")
+    )
+    row = FORM.estimate(problem, criteria(math.exp(0.6)))[0]
+    assert row.status == "unchecked"
+    assert row.pf == pytest.approx(ndtr(-3.0), rel=1e-3)

@@ -24,6 +24,8 @@ from uqfold.typing import FloatArray
 
 NOTICEABLE = 0.05
 """Share of the probability behind a design point from which a second domain matters."""
+BENT = 0.2
+"""Change of the smaller probability by second order, relative, from which curvature matters."""
 LOOSE_RESIDUAL = 0.25
 """A point further than this (per unit of beta) from being a design point is not an answer."""
 
@@ -137,6 +139,8 @@ class Search:
         A point as near as the best one, but well beyond the limit state; None: none known.
     several
         Whether other design points are likely to be about as near.
+    second_order
+        Factor by which the curvature of the limit state changes the smaller of both probabilities.
     n_evals
         Runs spent.
     """
@@ -147,6 +151,7 @@ class Search:
     out_of_reach: bool = False
     rival: FloatArray | None = None
     several: bool = False
+    second_order: float = 1.0
     n_evals: int = 0
 
     @property
@@ -189,7 +194,7 @@ class Search:
         self.out_of_reach = abs(ahead) > SEARCH_RADIUS and (ahead > 0.0) == (beta > 0.0)
 
     def look_around(self, response: StandardSpaceResponse, tolerance: float) -> None:
-        """Test whether the best point is the nearest and the only one, with 4 d runs at most.
+        """Test whether the best point is the nearest, the only one, and flat: 4 d runs at most.
 
         A point of the limit state that is collinear with its gradient may as well be the farthest
         one. So look one standard deviation to both sides of it in d - 1 tangent directions: none
@@ -207,6 +212,9 @@ class Search:
         points = math.cos(angle) * towards + math.sin(angle) * around
         points = radius * np.vstack([points, -towards])
         beyond = side * (response.values(points) - self.threshold) / self.best.slope
+        flat = radius * (math.cos(angle) - 1.0)
+        bulge = 0.5 * (beyond[: len(tangents)] + beyond[len(tangents) : -1]) - flat
+        self.second_order = _breitung(radius, -2.0 * bulge / (radius * math.sin(angle)) ** 2)
         if beyond.max() > tolerance:
             self.rival = points[int(beyond.argmax())]
         self.several |= bool(beyond[-1] > -min(0.5, radius))
@@ -246,6 +254,17 @@ class Search:
         )
 
 
+def _breitung(radius: float, curvatures: FloatArray) -> float:
+    """Factor of second order to the probability beyond a design point, from main curvatures (k,).
+
+    Breitung K. Asymptotic approximations for multinormal integrals. J. Eng. Mech. 110 (1984)
+    357-366. The curvatures are those of the directions that were looked at, positive where the
+    limit state bends away from the origin.
+    """
+    bends = 1.0 + radius * curvatures
+    return float(np.prod(bends**-0.5)) if (bends > 0.0).all() else math.inf
+
+
 def verdict(search: Search, start: Start, tolerance: float) -> tuple[Status, str]:
     """Judge what a search has left: a status and the reason for it."""
     threshold, best, error = search.threshold, search.best, search.error
@@ -261,6 +280,9 @@ def verdict(search: Search, start: Start, tolerance: float) -> tuple[Status, str
             return "doubtful", f"the limit state has the origin on its far side: {where}"
         if search.cut:
             return "budget_exhausted", f"not checked whether it is the nearest point: {where}"
+        if abs(math.log(search.second_order)) > math.log1p(BENT):
+            bent = f"second order takes the smaller probability times {search.second_order:.2g}"
+            return "doubtful", f"the limit state is curved, {bent}: {where}"
         return "unchecked", ""
     if search.cut and error <= 1.0:
         return "budget_exhausted", f"linearised at {where}, {off}"

@@ -74,10 +74,11 @@ class OpenTURNSFORM(ReliabilityMethod):
     came nearer. Then the axes, and the ray opposite, are looked at for a second domain of failure
     that would matter.
 
-    The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: neither
-    curvature nor a design point off the points that are looked at is seen. It is ``doubtful`` for
-    a point that nearly fits, for signs of several design points (FORM sees one) and for one more
-    than 10 standard deviations away; else ``failed``.
+    The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: no
+    design point off the points that are looked at is seen. It is ``doubtful`` for a point that
+    nearly fits, for signs of several design points (FORM sees one), for one more than 10 standard
+    deviations away, and where the curvature that those 2 d - 1 points show changes the smaller
+    probability by more than 20 % (Breitung's factor, which the message states); else ``failed``.
 
     `max_evals` pays for the gradient at the origin first; what is left is split into equal shares
     for the remaining thresholds, and a share that is not used up goes to the later ones. The

@@ -176,7 +176,12 @@ class PolynomialChaos(SequentialMethod):
             lower = surface.indices[(surface.indices < orders).all(axis=1)]
             rivals.append(Rival(fit_basis(*fitted, lower, surface.basis), share=1.0))
         found = surface_estimates(
-            task, surface, runs, rng, target_cov=self.target_cov, rivals=rivals,
+            task,
+            surface,
+            runs,
+            rng,
+            target_cov=self.target_cov,
+            rivals=rivals,
             stepped=self.design == "space-filling",
         )
         validated = surface.leave_one_out()

@@ -90,8 +90,8 @@ FORM = Theory(
         "First-order reliability method on one unit, by OpenTURNS. The limit state of one unit is "
         "replaced by a plane at its design point in standard-normal space; units and missions are "
         "joined through the shared part of the design direction. The point found is checked, not "
-        "trusted. The method states no error: the curvature of the limit state is neglected, and "
-        "so are further design points."
+        "trusted. The method states no error, and neglects the curvature of the limit state: it "
+        "says so where curvature, or a second design point, is seen to matter."
     ),
     equations=(
         Equation(
