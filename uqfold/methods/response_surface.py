@@ -182,8 +182,17 @@ def surface_estimates(
     def work(stopped: str) -> SurfaceAnswers:
         made = replace(runs, stopped=stopped) if stopped else runs
         return _answered(
-            task, surface, made, rng, target_cov, noise, rivals, max_points, beta_std,
-            stated_noise, stepped,
+            task,
+            surface,
+            made,
+            rng,
+            target_cov,
+            noise,
+            rivals,
+            max_points,
+            beta_std,
+            stated_noise,
+            stepped,
         )
 
     return task.summed_up(work)

@@ -18,7 +18,7 @@ from validation.no_false_confidence.problems import PROBLEMS, Hard
 Row = dict[str, Any]
 
 SIMULATION = {"mc", "conditional-mc", "openturns-mc"}
-RUNS, SIMULATED = 1_000, 20_000
+RUNS, SIMULATED = 300, 20_000
 """Budgets: of methods that are sparing with runs, and of simulation."""
 MOST_INPUTS = 12
 """A full factorial design over more inputs has no room in any budget."""
