@@ -131,7 +131,7 @@ def test_an_analysis_is_one_file_and_one_line(found: dict[str, Any]) -> None:
 
 
 def test_a_validation_case_is_one_folder(found: dict[str, Any], house: Path) -> None:
-    assert "1 holds; 1 of 1 planted faults caught" in found["validated"]
+    assert "1 holds; 1 of 1 planted faults noticed" in found["validated"]
     assert (house / "validation" / "beam_median" / "quick.json").is_file()
 
 
