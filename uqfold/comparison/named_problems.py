@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from uqfold.checks import choice, keep, text, whole
 
@@ -48,15 +47,12 @@ class NamedProblem:
             keep(self, name, text)
         keep(self, "max_evals", whole, at_least=1)
 
-    def function(self) -> Callable[..., Problem]:
-        """Return the function that builds the problem, and takes its options."""
-        module, _, function = self.factory.rpartition(":")
-        loaded = _loaded_file(Path(module)) if module.endswith(".py") else import_module(module)
-        return cast("Callable[..., Problem]", getattr(loaded, function))
-
     def problem(self) -> Problem:
         """Build the problem."""
-        return self.function()()
+        module, _, function = self.factory.rpartition(":")
+        loaded = _loaded_file(Path(module)) if module.endswith(".py") else import_module(module)
+        built: Problem = getattr(loaded, function)()
+        return built
 
 
 _PROBLEMS = (

@@ -140,7 +140,6 @@ def compare(
     plan = plan_comparison(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator
     )
-    or_none("progress", progress, function)
     *_, frame = run_comparison(plan, progress)
     return frame
 
