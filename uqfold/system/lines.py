@@ -8,10 +8,8 @@ and whether failure lies at one end of the line, at both, or in between.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 
@@ -80,7 +78,10 @@ class LineRule:
 
     def _mass(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Probability of a part of a line."""
-        return radial_mass(self.radial, low, high) if self.radial else _mass(low, high)
+        return self._tails(low).up_to(self._tails(high))
+
+    def _tails(self, edge: FloatArray) -> _Tails:
+        return _Tails.radial(self.radial, edge) if self.radial else _Tails.normal(edge)
 
     def response(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
@@ -136,7 +137,8 @@ class LineRule:
         curves = table @ upsample.T
         runs = _Runs.of(curves, fine, levels, 1e-13 * (high - low), usable)
         start, end = runs.ends.T[:, :, None]
-        left, right = self._mass(start, runs.crossings), self._mass(runs.crossings, end)
+        at = self._tails(runs.crossings)
+        left, right = self._tails(start).up_to(at), at.up_to(self._tails(end))
         rising = runs.rising[:, None]
         below = self._mean(runs.line, np.where(rising, left, right))
         above = self._mean(runs.line, np.where(rising, right, left))
@@ -204,46 +206,45 @@ class _Runs:
         usable: BoolArray | None,
     ) -> _Runs:
         steps = np.diff(curves, axis=1)
-        signs = np.where(np.abs(steps) <= rounding, 0, np.sign(steps)).astype(int)
-        turning = (signs.min(axis=1) < 0) & (signs.max(axis=1) > 0)
+        signs = np.where(np.abs(steps) <= rounding, 0.0, np.sign(steps))
+        whole = np.ones(curves.shape, dtype=bool) if usable is None else usable
+        gap = np.zeros((whole.shape[0], 1), dtype=bool)
+        opens = whole & ~np.hstack([gap, whole[:, :-1]])
+        closes = whole & ~np.hstack([whole[:, 1:], gap])
+        turns = _turns(signs, whole, opens)
+        line, first = np.nonzero(opens | turns)
+        last = np.nonzero(closes | turns)[1]
+        begin, end = curves[line, first], curves[line, last]
+        rising = end >= begin
+        crossings = np.empty((line.size, levels.size))
+        for row, (k, a, b, up) in enumerate(zip(line, first, last, rising, strict=True)):
+            order = 1 if up else -1
+            piece, where = curves[k, a : b + 1][::order], s[a : b + 1][::order]
+            crossings[row] = np.interp(levels, np.maximum.accumulate(piece), where)
+        # a piece next to a gap, or to the end of the line, goes on to the cell's end
         starts, stops = _cells(s)
-        line, ends, rising, crossings = [], [], [], []
-        for index, curve in enumerate(curves):
-            for first, last in [(0, s.size)] if usable is None else _stretches(usable[index]):
-                turns = _turns(signs[index, first : last - 1]) if turning[index] else []
-                edges = [first, *(first + turn for turn in turns), last - 1]
-                for a, b in pairwise(edges if last - first > 1 else [first, first]):
-                    piece, where = curve[a : b + 1], s[a : b + 1]
-                    up = bool(piece[-1] >= piece[0])
-                    if not up:
-                        piece, where = piece[::-1], where[::-1]
-                    crossing = np.interp(levels, np.maximum.accumulate(piece), where)
-                    # a piece next to a gap, or to the end of the line, goes on to the cell's end
-                    low = starts[a] if a == first else s[a]
-                    high = stops[b] if b == last - 1 else s[b]
-                    outside = levels < piece[0], levels >= piece[-1]
-                    crossing[outside[0]] = low if up else high
-                    crossing[outside[1]] = high if up else low
-                    line.append(index)
-                    rising.append(up)
-                    ends.append((low, high))
-                    crossings.append(crossing)
-        return cls(np.array(line), np.array(ends), np.array(rising), np.array(crossings))
+        low = np.where(opens[line, first], starts[first], s[first])
+        high = np.where(closes[line, last], stops[last], s[last])
+        least, most = np.where(rising, [begin, end], [end, begin])[:, :, None]
+        near, far = np.where(rising, [low, high], [high, low])[:, :, None]
+        crossings = np.where(levels < least, near, crossings)
+        crossings = np.where(levels >= most, far, crossings)
+        return cls(line, np.stack([low, high], axis=1), rising, crossings)
 
 
-def _turns(signs: IntArray) -> list[int]:
-    """Where a curve turns, given the signs of its steps; level steps belong to what came before."""
-    moving = np.flatnonzero(signs)
-    change = np.flatnonzero(np.diff(signs[moving]))
-    return [int(i) for i in moving[change + 1]]
+def _turns(signs: FloatArray, usable: BoolArray, opens: BoolArray) -> BoolArray:
+    """Where curves turn, given the signs of their steps and where stretches of them begin.
 
-
-def _stretches(usable: BoolArray) -> Iterator[tuple[int, int]]:
-    """First and one past the last index of every run of True."""
-    padded = np.concatenate([[False], usable, [False]]).astype(int)
-    change = np.flatnonzero(np.diff(padded))
-    for first, last in zip(change[::2], change[1::2], strict=True):
-        yield int(first), int(last)
+    Level steps belong to what came before.
+    """
+    stretch = np.cumsum(opens).reshape(opens.shape)
+    moving = (signs != 0.0) & usable[:, :-1] & usable[:, 1:]
+    line, step = np.nonzero(moving)
+    sign, part = signs[line, step], stretch[line, step]
+    turned = (sign[1:] != sign[:-1]) & (part[1:] == part[:-1])
+    turns = np.zeros(usable.shape, dtype=bool)
+    turns[line[1:][turned], step[1:][turned]] = True
+    return turns
 
 
 def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -252,11 +253,33 @@ def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.concatenate([[-np.inf], middle]), np.concatenate([middle, [np.inf]])
 
 
-def _mass(low: FloatArray, high: FloatArray) -> FloatArray:
-    """Standard-normal probability of [low, high], from the tail in which it is small."""
-    from scipy.special import ndtr
+@dataclass(frozen=True, eq=False)
+class _Tails:
+    """Probability `below` and `above` edges; the one above is the smaller where they are `far`."""
 
-    return np.asarray(np.where(low > 0.0, ndtr(-low) - ndtr(-high), ndtr(high) - ndtr(low)))
+    below: FloatArray
+    above: FloatArray
+    far: BoolArray
+
+    @classmethod
+    def normal(cls, edge: FloatArray) -> _Tails:
+        """Return those of a standard-normal variable."""
+        from scipy.special import ndtr
+
+        return cls(ndtr(edge), ndtr(-edge), edge > 0.0)
+
+    @classmethod
+    def radial(cls, d: int, edge: FloatArray) -> _Tails:
+        """Return those of the distance from the origin of d normal variables."""
+        from scipy.special import gammainc, gammaincc
+
+        half = 0.5 * np.maximum(edge, 0.0) ** 2
+        return cls(gammainc(0.5 * d, half), gammaincc(0.5 * d, half), half > 0.5 * d)
+
+    def up_to(self, other: _Tails) -> FloatArray:
+        """Probability from these edges to others, from the tail in which it is small."""
+        above, below = self.above - other.above, other.below - self.below
+        return np.asarray(np.where(self.far, above, below))
 
 
 def line_masses(table: FloatArray, threshold: float) -> FloatArray:
@@ -271,18 +294,14 @@ def line_masses(table: FloatArray, threshold: float) -> FloatArray:
         The threshold.
     """
     unit, upsample = _refinement(table.shape[2])
-    cells = _mass(*_cells(REACH * (2.0 * unit - 1.0)))
+    low, high = _cells(REACH * (2.0 * unit - 1.0))
+    cells = _Tails.normal(low).up_to(_Tails.normal(high))
     return np.asarray(np.mean([(one @ upsample.T > threshold) @ cells for one in table], axis=0))
 
 
 def radial_mass(d: int, low: FloatArray, high: FloatArray) -> FloatArray:
     """Probability that the distance from the origin of d normal variables lies in [low, high]."""
-    from scipy.special import gammainc, gammaincc
-
-    a, b = (0.5 * np.maximum(edge, 0.0) ** 2 for edge in (low, high))
-    far = a > 0.5 * d
-    outside = gammaincc(0.5 * d, a) - gammaincc(0.5 * d, b)
-    return np.asarray(np.where(far, outside, gammainc(0.5 * d, b) - gammainc(0.5 * d, a)))
+    return _Tails.radial(d, low).up_to(_Tails.radial(d, high))
 
 
 @cache
