@@ -70,25 +70,23 @@ def keep(run: Run, name: str, label: str, found: Any) -> None:
 def agreement(frame: pd.DataFrame, value: str, error: str) -> pd.DataFrame:
     """Set two ways to the same number beside each other: do they agree?"""
     keys = [name for name in ("input", "moment", "order", "threshold", "tau") if name in frame]
-    first, second = frame["label"].unique()
-    rows = []
-    for key, own in frame.groupby(keys, sort=False, dropna=False):
-        found = own.set_index("label")
-        line = dict(zip(keys, key, strict=True))
-        for label in (first, second):
-            line[label] = (
-                with_error(*found.loc[label, [value, error]]) if label in found.index else "-"
-            )
-        if len(found) == 2:
-            joint = math.hypot(*found[error])
-            difference = found[value][first] - found[value][second]
-            line["apart, in std. errors"] = abs(difference) / joint if joint > 0.0 else math.nan
-        rows.append(line)
-    return pd.DataFrame(rows)
+    label, other = frame["label"].unique()
+    first, second = (frame.loc[frame["label"] == one, [*keys, value, error]]
+                     for one in (label, other))  # fmt: skip
+    both = first.merge(second, "left", keys, suffixes=("", "_2"))
+    table = both[keys].copy()
+    for name, end in ((label, ""), (other, "_2")):
+        pairs = zip(both[f"{value}{end}"], both[f"{error}{end}"], strict=True)
+        table[name] = [with_error(*pair) for pair in pairs]
+    joint = both[error].combine(both[f"{error}_2"], math.hypot).where(lambda one: one > 0.0)
+    table["apart, in std. errors"] = (both[value] - both[f"{value}_2"]).abs() / joint
+    return table
 
 
 def with_error(value: float, error: float) -> str:
     """Write a value with its error, to the error's second digit."""
+    if math.isnan(value):
+        return "-"
     if math.isnan(error) or error == 0.0:
         return f"{value + 0.0:.3g}"
     digits = min(max(1 - math.floor(math.log10(error)), 0), 8)

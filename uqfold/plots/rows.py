@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import instance, listed, refused
+from uqfold.plots.style import HEADER
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     Frames: TypeAlias = pd.DataFrame | Sequence[pd.DataFrame]
 
 _BINOMIAL = re.compile(r"binomial\((\d+), (.+)\)")
-_HEADER = "uqfold-comparison"
 
 
 def joined(frames: Frames, needs: Sequence[str], name: str = "frame") -> pd.DataFrame:
@@ -62,7 +62,7 @@ def having(frame: pd.DataFrame, column: str | None, value: Any) -> pd.DataFrame:
 
 def response_of(frame: pd.DataFrame) -> tuple[str, str]:
     """Return response and unit as the header of the comparison has them."""
-    header = frame.attrs.get(_HEADER, {})
+    header = frame.attrs.get(HEADER, {})
     return header.get("response", "response"), header.get("response_unit", "")
 
 
