@@ -11,7 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
 
 from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told
 from tests.comparison.fakes import toy_frame as frame
@@ -252,8 +254,6 @@ def test_an_error_the_reference_cannot_judge_is_hollow() -> None:
 
 
 def test_errors_are_drawn_into_axes_of_the_callers(whole: pd.DataFrame) -> None:
-    from matplotlib.figure import Figure
-
     left, right = Figure().subplots(1, 2)
     assert plots.error_against_evaluations(whole, right) is right
     assert not left.lines
@@ -268,6 +268,22 @@ def test_the_same_frame_gives_the_same_files(short: pd.DataFrame, tmp_path: Path
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in again]
     assert first[0].read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
     assert b"deflection" in first[1].read_bytes()
+
+
+def test_a_small_mark_has_the_colour_of_its_method_in_a_png_too(tmp_path: Path) -> None:
+    """The palette of a picture turned the colours of a few small marks into others."""
+    styles = plots.method_styles([*available(), "another"])
+    with plots.figure_settings():
+        axes = Figure(figsize=(8.0, 5.0)).subplots()
+        for k, style in enumerate(styles.values()):
+            axes.plot([k], [0.5], style.marker, color=style.color)
+        axes.plot(np.linspace(0.0, 10.0, 60), np.cos(np.arange(60)), "o-", color="#009E73")
+    (path,) = plots.save(axes, tmp_path / "marks")
+    with Image.open(path) as picture:
+        pixels = np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0).astype(int)
+    for label, style in styles.items():
+        color = np.rint(255.0 * np.array(to_rgb(style.color)))
+        assert np.abs(pixels - color).max(axis=1).min() <= 8, label
 
 
 def test_settings_of_the_caller_stay_and_no_window_is_involved(
