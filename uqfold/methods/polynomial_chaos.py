@@ -159,6 +159,7 @@ class PolynomialChaos(SequentialMethod):
                 fit_polynomial_chaos(
                     *fitted,
                     sparse=self.sparse, max_degree=self.max_degree, max_orders=orders, own=own,
+                    directions=self.sparse,
                 )
                 for own in self._bases(inputs)
             ], stopped  # fmt: skip

@@ -22,7 +22,9 @@ from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.common_powers import with_common_powers
 from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.surface import SurfaceSystem, reliability_indices
@@ -219,6 +221,10 @@ def _answered(
     )  # fmt: skip
     outcomes = None if runs.complete else runs.outcomes
     validated = surface.leave_one_out()
+    if inputs.dimension >= MANY_INPUTS:
+        fitted = runs.u[runs.finite], runs.y[runs.finite]
+        common = with_common_powers(surface.mean, *fitted, validated.residuals)
+        rivals = [*rivals, Rival(common, share=1.0)]
     doubts = _doubts(runs, validated if beta_std is None else None, system)
     if validated.contradicts(stated_noise):
         doubts.append(

@@ -36,6 +36,7 @@ from uqfold.surrogates.likelihood import (
     estimate_hyperparameters,
 )
 from uqfold.surrogates.random_field import RandomField, random_field
+from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
@@ -230,7 +231,10 @@ def fit_gaussian_process(
         raise ValueError("u and y must be finite: leave out failed runs and infinite responses")
     if noise is not None and not (math.isfinite(noise) and noise >= 0.0):
         raise ValueError(f"noise = {noise}: give a standard deviation >= 0, or None to learn it")
-    learned_on = min(_LEARNED_ON, math.isqrt(_MOST_SQUARES // u.shape[1]))
+    learned_on = _LEARNED_ON
+    if u.shape[1] >= MANY_INPUTS and not isinstance(trend, int):
+        learned_on = max(learned_on, 2 * trend.shape[0])
+    learned_on = min(learned_on, math.isqrt(_MOST_SQUARES // u.shape[1]))
     few = np.arange(y.size)
     indices = _trend_indices(trend, u.shape[1], min(y.size, learned_on) // 2)
     centre, scale = centre_of(y), float(y.std())

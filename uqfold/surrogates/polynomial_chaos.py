@@ -29,6 +29,7 @@ import numpy as np
 from uqfold.algebra import one_blas_thread
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.surrogates.curved_directions import curved_directions
 from uqfold.surrogates.hermite import (
     fixed_degree_indices,
     hermite_basis,
@@ -37,11 +38,21 @@ from uqfold.surrogates.hermite import (
     rescaled,
 )
 from uqfold.surrogates.random_field import RandomField, random_field
-from uqfold.surrogates.selection import Basis, Regression, select_basis
+from uqfold.surrogates.selection import (
+    MANY_INPUTS,
+    Basis,
+    Regression,
+    regression,
+    select_basis,
+)
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
 _CHUNK = 8192
+# A mean square error, relative to the variance, with which no other polynomials are looked for.
+_EXACT = 1e-8
+# Pairs of points between which inputs are exchanged.
+_EXCHANGED = 2_000
 _FEATURES = 256
 # Most polynomials of the next degree that stand for what was left out, and from how many.
 _OMITTED, _MOST_OMITTED = 200, 100_000
@@ -94,6 +105,9 @@ class PolynomialChaosExpansion:
         Points (n, d) of the fit.
     own
         The polynomials of each of the d inputs, None for those of Hermite; None: all of Hermite.
+    rotation
+        Directions in columns (d, d) along which the variables of the polynomials are measured;
+        None: the inputs themselves.
     """
 
     indices: IntArray
@@ -104,11 +118,12 @@ class PolynomialChaosExpansion:
     spread: float
     design: FloatArray
     own: Sequence[InputPolynomials | None] | None = None
+    rotation: FloatArray | None = None
 
     @property
     def basis(self) -> Basis:
         """The polynomials."""
-        return _basis(self.own)
+        return _basis(self.own, self.rotation)
 
     @property
     def degree(self) -> int:
@@ -154,7 +169,7 @@ class PolynomialChaosExpansion:
         fit, d = self.regression, self.indices.shape[1]
         scatter = fit.root_covariance @ rng.standard_normal((fit.root_covariance.shape[1], count))
         drawn = self.transfer @ (self.residual_std * scatter)
-        influence = self.sobol_indices().total
+        influence = self._shares().total
         omitted = _next_degree(influence, self.degree + 1)
         if self.own is not None:
             omitted = omitted[(omitted <= _highest(self.own)).all(axis=1)]
@@ -175,11 +190,32 @@ class PolynomialChaosExpansion:
         )
 
     def sobol_indices(self) -> VarianceShares:
-        """Sobol' indices of all inputs; NaN for a response that does not vary."""
+        """Sobol' indices of all inputs; NaN for a response that does not vary.
+
+        Of polynomials along other directions than the inputs they are sampled, to about 0.02.
+        """
+        return self._shares() if self.rotation is None else self._sampled_shares()
+
+    def _shares(self) -> VarianceShares:
+        """Shares of the variables of the polynomials."""
         share = self.coefficients**2 / (self.variance or math.nan)
         active = self.indices > 0
         alone = active & (active.sum(axis=1) == 1)[:, None]
         return VarianceShares(main=share @ alone, total=share @ active)
+
+    def _sampled_shares(self) -> VarianceShares:
+        """Shares of the inputs, by exchanging one at a time between two samples (Jansen)."""
+        rng = np.random.default_rng(0)
+        one, other = rng.standard_normal((2, _EXCHANGED, self.indices.shape[1]))
+        of_one, of_other = self.mean(one), self.mean(other)
+        main, total = np.empty((2, self.indices.shape[1]))
+        for i in range(main.size):
+            mixed = one.copy()
+            mixed[:, i] = other[:, i]
+            of_mixed = self.mean(mixed)
+            main[i] = np.mean(of_other * (of_mixed - of_one))
+            total[i] = 0.5 * np.mean((of_one - of_mixed) ** 2)
+        return VarianceShares(main / self.variance, total / self.variance)
 
     def to_chaospy(self, names: Sequence[str] | None = None) -> Any:
         """Return the expansion as a chaospy polynomial.
@@ -197,6 +233,13 @@ class PolynomialChaosExpansion:
         d = self.indices.shape[1]
         variables = chaospy.variable(d) if names is None else chaospy.symbols(list(names))
         variables = [variables] if d == 1 else list(variables)
+        if self.rotation is not None:
+            variables = [
+                sum(
+                    float(share) * variable for share, variable in zip(axis, variables, strict=True)
+                )
+                for axis in self.rotation.T
+            ]
         own = self.own or [None] * d
         ladders = [
             _ladder(variable, degree) if one is None else one.ladder(variable, degree)
@@ -267,6 +310,7 @@ def fit_polynomial_chaos(
     max_degree: int = 10,
     max_orders: IntArray | None = None,
     own: Sequence[InputPolynomials | None] | None = None,
+    directions: bool = False,
 ) -> PolynomialChaosExpansion:
     """Fit an expansion to responses.
 
@@ -286,6 +330,8 @@ def fit_polynomial_chaos(
     own
         Polynomials of each of the d inputs' own distributions, None for those of Hermite; None:
         all of Hermite.
+    directions
+        Whether polynomials along a few directions of curvature are tried too, if inputs are many.
 
     Raises
     ------
@@ -305,6 +351,9 @@ def fit_polynomial_chaos(
         points, y - centre,
         sparse=sparse, max_degree=max_degree, max_orders=limits, basis=_basis(own),
     )  # fmt: skip
+    rotation = None
+    if directions and own is None and max_orders is None and u.shape[1] >= MANY_INPUTS:
+        found, rotation = _along_directions(points, y - centre, found)
     if own is None:
         indices, transfer = _transfer(found.indices, spread)
     else:
@@ -321,10 +370,28 @@ def fit_polynomial_chaos(
         spread=spread,
         design=u,
         own=own,
+        rotation=rotation,
     )
 
 
-def _basis(own: Sequence[InputPolynomials | None] | None) -> Basis:
+def _along_directions(
+    u: FloatArray, y: FloatArray, known: Regression
+) -> tuple[Regression, FloatArray | None]:
+    """Take polynomials along directions of curvature where they foretell left-out runs better."""
+    if known.error <= _EXACT or np.ptp(y) == 0.0:
+        return known, None
+    curved = curved_directions(u, y)
+    if curved is None:
+        return known, None
+    found = regression(hermite_basis(u @ curved.rotation, curved.indices), y, curved.indices)
+    return (found, curved.rotation) if found.error < known.error else (known, None)
+
+
+def _basis(
+    own: Sequence[InputPolynomials | None] | None, rotation: FloatArray | None = None
+) -> Basis:
+    if rotation is not None:
+        return lambda u, indices: hermite_basis(u @ rotation, indices)
     if own is None:
         return hermite_basis
     return partial(product_basis, polynomials=[one or one_dimensional for one in own])

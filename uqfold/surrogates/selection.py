@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -26,6 +26,8 @@ from uqfold.typing import FloatArray, IntArray
 Basis: TypeAlias = Callable[[FloatArray, IntArray], FloatArray]
 """Values (n, P) of the polynomials with multi-indices (P, d) at points u (n, d)."""
 
+MANY_INPUTS = 20
+"""Inputs from which sums of functions of one input or of one direction each are tried as well."""
 # Candidate polynomials per point, and in all, of a least-angle path.
 _CANDIDATES = 5
 _MOST_CANDIDATES = 1_000
@@ -119,7 +121,47 @@ def select_basis(
         since = 0 if best.error < before else since + 1
         if since >= _PATIENCE:
             break
+    if d >= MANY_INPUTS:
+        degrees = range(2, max_degree + 1)
+        best = min([best, *_additive(u, y, degrees, max_orders, basis, sparse)], key=_error)
     return best
+
+
+def regression(basis: FloatArray, y: FloatArray, indices: IntArray) -> Regression:
+    """Fit all polynomials with the given values (n, p) and multi-indices (p, d)."""
+    return _Fits(basis, y, indices).prefix(indices.shape[0])
+
+
+def _error(fit: Regression) -> float:
+    return fit.error
+
+
+def _additive(
+    u: FloatArray,
+    y: FloatArray,
+    degrees: range,
+    max_orders: IntArray | None,
+    basis: Basis,
+    sparse: bool,
+) -> Iterator[Regression]:
+    """Fits without products of inputs, for inputs too many for all products of two."""
+    n, d = u.shape
+    eye = np.eye(d, dtype=np.int64)
+    indices = np.vstack([np.zeros_like(eye[:1]), eye])
+    for degree in degrees:
+        check_time()
+        further = eye * degree
+        if max_orders is not None:
+            further = further[(further <= max_orders).all(axis=1)]
+        indices = np.vstack([indices, further])
+        size = indices.shape[0]
+        if size * _POINTS_PER_TERM <= n:
+            yield regression(basis(u, indices), y, indices)
+            continue
+        if not sparse or size > min(_CANDIDATES * n, _MOST_CANDIDATES):
+            return
+        path = _least_angle_path(basis(u, indices), y, indices)
+        yield _Fits(basis(u, path), y, path).best()
 
 
 class _Fits:
