@@ -9,6 +9,7 @@ import pytest
 from uqfold.inputs import normal
 from uqfold.methods import ActiveKriging, Kriging, PolynomialChaos, ReliabilityMethod
 from uqfold.methods.growing_design import Growth
+from uqfold.methods.response_surface import ErrorParts
 from uqfold.problems.base import Problem
 from uqfold.typing import FloatArray
 
@@ -96,3 +97,11 @@ def test_growth_ends_where_doubling_brings_too_little() -> None:
     assert hopeless.next_size(200, 38.0) is None
     assert Growth(150).next_size(100, 2.0) == 150
     assert Growth(100).next_size(100, 2.0) is None
+
+
+def test_errors_of_the_smallest_probabilities_have_a_shortfall_too() -> None:
+    """Their squares are zero to the computer."""
+    parts = ErrorParts(*(np.array([size]) for size in (3e-200, 6e-201, 0.0)))
+    assert parts.shortfall(0, 1e-200) == pytest.approx(3.0 / 0.8)
+    assert parts.shortfall(0, 6e-201) == 0.0
+    assert parts.shortfall(0, 0.0) == 0.0

@@ -114,7 +114,11 @@ class ErrorParts:
             Standard deviation of pf that all parts together are to have.
         """
         rest = math.hypot(self.integration[row], self.sampling[row])
-        return float(self.training[row]) / math.sqrt(target**2 - rest**2) if rest < target else 0.0
+        # as shares of the target: squares of the smallest probabilities are zero to the computer
+        share = rest / target if rest < target else 1.0
+        if share**2 == 1.0:
+            return 0.0
+        return float(self.training[row]) / target / math.sqrt(1.0 - share**2)
 
 
 @dataclass(frozen=True, eq=False)
