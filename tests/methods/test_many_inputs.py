@@ -34,4 +34,3 @@ def test_forty_mildly_curved_inputs_are_right_by_default() -> None:
 def test_runs_too_few_for_the_curvature_of_many_inputs_are_doubtful(seed: int) -> None:
     row = PolynomialChaos(runs=85).estimate(PROBLEM, rng=seed)[0]
     assert row.status == "doubtful"
-    assert row.std_error > 0.1 * row.pf
