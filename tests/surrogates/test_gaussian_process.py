@@ -166,3 +166,12 @@ def test_bad_data_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         fit_gaussian_process(u, y, noise=noise)
+
+
+def test_one_length_scale_is_learned_for_fifty_inputs() -> None:
+    """A hundred scales took a minute, and four hundred runs do not tell them apart."""
+    u = np.random.default_rng(2).standard_normal((70, 50))
+    gp = fit_gaussian_process(u, wavy(u), trend=0)
+    assert np.ptp(gp.hyperparameters.length_scales) == 0.0
+    few = fit_gaussian_process(u[:, :4], wavy(u), trend=0)
+    assert np.ptp(few.hyperparameters.length_scales) > 0.0

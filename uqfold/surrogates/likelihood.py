@@ -15,7 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from uqfold.surrogates.kernels import Kernel, correlation, correlation_slope
+from uqfold.surrogates.kernels import (
+    Kernel,
+    correlation,
+    correlation_slope,
+    scaled_squared_distances,
+)
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
@@ -27,6 +32,8 @@ _LENGTH_RANGE = (0.05, 500.0)
 _PROCESS_RANGE = (1e-10, 1e8)
 _NOISE_RANGE = (1e-14, 1.0)
 _NOT_POSITIVE_DEFINITE = 1e25
+ONE_SCALE_FROM = 50
+"""Inputs from which one length scale is learned for all of them."""
 JITTER = 1e-8
 """Noise relative to the process variance, always present.
 
@@ -80,7 +87,7 @@ def estimate_hyperparameters(
     from scipy.optimize import minimize
 
     objective = _Objective(u, y, basis, kernel, noise_variance)
-    bounds = [tuple(np.log(_LENGTH_RANGE))] * u.shape[1] + [tuple(np.log(_PROCESS_RANGE))]
+    bounds = [tuple(np.log(_LENGTH_RANGE))] * objective.scales + [tuple(np.log(_PROCESS_RANGE))]
     if noise_variance is None:
         bounds.append(tuple(np.log(_NOISE_RANGE)))
     best_value, best = math.inf, objective.pack(starts[0])
@@ -124,28 +131,34 @@ class _Objective:
         self.y, self.basis, self.kernel = y, basis, kernel
         self.noise_variance = noise_variance
         self.dimension = u.shape[1]
-        self.squares = ((u[:, None, :] - u[None, :, :]) ** 2).transpose(2, 0, 1)
-        self.flat = self.squares.reshape(self.dimension, -1)
+        if self.dimension < ONE_SCALE_FROM:
+            self.scales = self.dimension
+            self.squares = ((u[:, None, :] - u[None, :, :]) ** 2).transpose(2, 0, 1)
+        else:
+            self.scales = 1
+            self.squares = scaled_squared_distances(u, u, np.ones(self.dimension))[None]
+        self.flat = self.squares.reshape(self.scales, -1)
 
     def pack(self, values: Hyperparameters) -> FloatArray:
-        logs = [*np.log(values.length_scales), math.log(values.process_variance)]
+        lengths = np.log(values.length_scales[: self.scales])
+        logs = [*lengths, math.log(values.process_variance)]
         if self.noise_variance is None:
             logs.append(math.log(max(values.noise_variance, _NOISE_RANGE[0])))
         return np.array(logs)
 
     def unpack(self, logs: FloatArray) -> Hyperparameters:
-        d = self.dimension
+        d = self.scales
         noise = self.noise_variance
         return Hyperparameters(
-            length_scales=np.exp(logs[:d]),
+            length_scales=np.exp(np.broadcast_to(logs[:d], self.dimension)),
             process_variance=math.exp(logs[d]),
             noise_variance=math.exp(logs[d + 1]) if noise is None else noise,
         )
 
     def __call__(self, logs: FloatArray) -> tuple[float, FloatArray]:
         check_time()
-        values, d, n = self.unpack(logs), self.dimension, self.y.size
-        inverse_squares = values.length_scales**-2.0
+        values, d, n = self.unpack(logs), self.scales, self.y.size
+        inverse_squares = values.length_scales[:d] ** -2.0
         squared = np.tensordot(inverse_squares, self.squares, axes=1)
         process = values.process_variance * correlation(self.kernel, squared)
         covariance = process.copy()
