@@ -19,14 +19,15 @@ KEPT = re.compile(
 
 
 def texts() -> Iterator[tuple[str, str]]:
-    """Where a text stands and the text: README, pages of the documentation, docstrings."""
+    """Where a text stands and the text: README, pages of the documentation, public docstrings."""
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         yield page.name, page.read_text(encoding="utf-8")
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     for path in sorted((ROOT / "uqfold").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, documented):
-                place = f"{path.relative_to(ROOT)}: {getattr(node, 'name', 'module')}"
+            name = getattr(node, "name", "module")
+            if isinstance(node, documented) and not name.startswith("_"):
+                place = f"{path.relative_to(ROOT)}: {name}"
                 yield place, ast.get_docstring(node) or ""
 
 
