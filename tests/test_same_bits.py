@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[1]
 PROMISE = re.compile(r"to the last bit|bit for bit|same bits|bit-identical|bitwise", re.IGNORECASE)
 KEPT = re.compile(
     r"written|reads? back|same inputs|these inputs|numbers are kept|two results agree"
+    r"|that give the same response"
 )
 """Numbers that are stored, read or compared: nobody computes them anew."""
 
