@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 import uqfold
-from uqfold.methods import PolynomialChaos
+from uqfold.methods import PolynomialChaos, response_surface
+from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import CriterionResult
 from uqfold.typing import FloatArray
 
@@ -64,3 +65,11 @@ def test_a_surface_that_predicts_badly_states_no_interval() -> None:
     assert math.isnan(row.ci_low)
     assert math.isnan(row.std_error)
     assert row.error_kind == "none"
+
+
+def test_runs_added_until_a_step_looks_predicted_do_not_make_it_so() -> None:
+    """Kriging with 200 and 300 runs called steps converged that it had doubted with 100."""
+    limits = [
+        response_surface._poor(DesignRuns(np.zeros((n, 1)), np.zeros(n), n)) for n in (50, 100, 300)
+    ]
+    assert limits == pytest.approx([0.1, 0.1, 0.1 / 3.0])

@@ -36,7 +36,7 @@ CI_KIND = "95 % surrogate"
 _DRAWS = 20
 _T95 = 2.093
 """Student's quantile for a spread estimated from 20 draws."""
-_POOR_PREDICTION = 0.1
+_POOR_PREDICTION, _FEW_RUNS = 0.1, 100
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
 # The runs nearest to a threshold, at least so many and this share of all, and how many times
@@ -289,7 +289,7 @@ def _answered(
 
     estimates = estimates_by_blocks(count, answers)
     shortfall = max(
-        _missed(validated, runs) / _POOR_PREDICTION if beta_std is None else 0.0,
+        _missed(validated, runs) / _poor(runs) if beta_std is None else 0.0,
         *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
     )
     return SurfaceAnswers(estimates, errors, shortfall)
@@ -310,6 +310,15 @@ def _missed(validated: LeaveOneOut, runs: DesignRuns) -> float:
         return 0.0
     scatter = float(finite.std())
     return validated.rms / scatter if scatter > 0.0 else math.inf
+
+
+def _poor(runs: DesignRuns) -> float:
+    """Share of the scatter from which runs left out are predicted badly.
+
+    The more runs, the less: what a smooth surface misses falls much faster than this, what it
+    misses of a step more slowly, so that runs added until it looks right do not make it so.
+    """
+    return _POOR_PREDICTION * min(1.0, _FEW_RUNS / runs.y.size)
 
 
 def _density(beta: FloatArray) -> FloatArray:
@@ -443,7 +452,7 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
         )
     if np.ptp(runs.y[runs.finite]) == 0.0:
         doubts.append("all runs gave the same response: where another one begins is not known")
-    elif validated is not None and (share := _missed(validated, runs)) > _POOR_PREDICTION:
+    elif validated is not None and (share := _missed(validated, runs)) > _poor(runs):
         doubts.append(
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
         )
