@@ -231,6 +231,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "smallest_pf": optional(number(0.01)),
     }
     axes, page = plots.error_against_evaluations(frame), report.Page("some")
+    drawn_into = plots.error_against_evaluations(frame)
     wing = mechanism.WingParameters(t_max=0.01)
     finding = validation.Finding("error", 0.5, 1.0)
     table = validation.Table("T", ("series", "x", "y"), (("a", 1.0, 2.0),))
@@ -778,11 +779,11 @@ def calls(folder: Path) -> dict[str, Call]:
             plots.benchmark_panels, {"summary": thing(summary), "decades": thing([-2])}
         ),
         "plots.derivatives": Call(
-            plots.derivatives, {"table": thing(slopes), "ax": optional(thing(axes))}
+            plots.derivatives, {"table": thing(slopes), "ax": optional(thing(drawn_into))}
         ),
         "plots.derivatives_over_threshold": Call(
             plots.derivatives_over_threshold,
-            {"table": thing(slopes), "moment": choice("mean"), "ax": optional(thing(axes))},
+            {"table": thing(slopes), "moment": choice("mean"), "ax": optional(thing(drawn_into))},
         ),
         "plots.design": Call(plots.design, {"table": thing(designs)}),
         "plots.figure_settings": Call(plots.figure_settings, {}),
@@ -797,11 +798,13 @@ def calls(folder: Path) -> dict[str, Call]:
                 **curve_options,
             },
         ),
-        "plots.sobol": Call(plots.sobol, {"table": thing(indices), "ax": optional(thing(axes))}),
+        "plots.sobol": Call(
+            plots.sobol, {"table": thing(indices), "ax": optional(thing(drawn_into))}
+        ),
         "plots.comparison": Call(plots.comparison, {"frame": thing(frame)}),
         "plots.error_against_evaluations": Call(
             plots.error_against_evaluations,
-            {"frame": thing(frame), "ax": optional(thing(axes))},
+            {"frame": thing(frame), "ax": optional(thing(drawn_into))},
         ),
         "plots.method_styles": Call(
             plots.method_styles, {"labels": thing(["mc"]).also("empty list")}
@@ -814,7 +817,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "y": text(),
                 "log": choice("xy"),
                 "limits": optional(thing({"a": 1.0})),
-                "ax": optional(thing(axes)),
+                "ax": optional(thing(drawn_into)),
             },
         ),
         "plots.save": Call(
