@@ -47,6 +47,24 @@ def test_a_sharp_feature_is_integrated_along_the_direction_that_leads_to_failure
     assert found.pf == pytest.approx(exact, rel=1e-4)
 
 
+def test_stations_too_far_apart_for_a_sharp_feature_are_an_error() -> None:
+    """Lines of 41 stations cannot follow a fourth power of 100: 40 % of pf, at a scatter of 3 %."""
+
+    def sharp(u: FloatArray) -> FloatArray:
+        return np.asarray(u[:, 1] - 100.0 * u[:, 0] ** 4)
+
+    x = np.linspace(-2.0, 2.0, 400_001)
+    density = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi)
+    exact = float(np.trapezoid(density * ndtr(-(2.5 + 100.0 * x**4)), x))
+    asked = criteria([2.5])
+    system = SurfaceSystem.of(sharp, 5, 0, 1, asked)
+    responses = system.responses(sharp)
+    [found] = system.failures_given(responses, asked)
+    off = abs(reliability_indices([found])[0] + ndtri(exact))
+    assert off <= 4.0 * system.integration_errors(responses, asked)[0]
+    assert found.pf == pytest.approx(exact, rel=0.2)
+
+
 @pytest.mark.parametrize("d", [8, 40])
 def test_what_bends_in_many_directions_is_told_by_lines_at_adapted_places(d: int) -> None:
     """The sum of exponentials: at places drawn as the inputs are, errors are ten times as large."""

@@ -74,12 +74,12 @@ class DrawnRules:
         along, across = self.axes[:, 0], self.axes[:, 1:]
         return places_of_failure(self.values, along, across, self.asked, np.random.default_rng(1))
 
-    def rule(self, most: int, *, rays: bool) -> SurfaceRule:
+    def rule(self, most: int, *, rays: bool, stations: int = SAMPLED_STATIONS[0]) -> SurfaceRule:
         """Draw about as many lines or rays as `most` points allow."""
-        size = max(_FEWEST, most // (self.weights.size * SAMPLED_STATIONS))
+        size = max(_FEWEST, most // (self.weights.size * stations))
         if rays:
-            lines = random_rays(self.directions, size, self.asked, self.rng)
+            lines = random_rays(self.directions, size, stations, self.asked, self.rng)
         else:
             along, across = self.axes[:, 0], self.axes[:, 1:]
-            lines = random_lines(along, across, self.places, size, self.asked, self.rng)
+            lines = random_lines(along, across, self.places, size, stations, self.asked, self.rng)
         return SurfaceRule(self.shared_nodes, self.weights, lines, error=0.0)

@@ -76,6 +76,12 @@ class LineRule:
         share = self.weights.size / points.shape[0]
         return replace(self, points=points.reshape(-1, d), weights=share * self.weights[some])
 
+    def thinned(self) -> LineRule:
+        """The same lines with every second station, of which there is an odd number."""
+        d = self.points.shape[1]
+        points = self.points.reshape(self.weights.size, self.stations.size, d)[:, ::2]
+        return replace(self, points=points.reshape(-1, d), stations=self.stations[::2])
+
     def _mass(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Probability of a part of a line."""
         return self._tails(low).up_to(self._tails(high))

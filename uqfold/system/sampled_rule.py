@@ -23,8 +23,8 @@ from uqfold.typing import FloatArray, IntArray
 Values: TypeAlias = Callable[[FloatArray], FloatArray]
 """Takes points (n, d_individual), gives the surface (K, n) at K places of the shared variables."""
 
-SAMPLED_STATIONS = 41
-"""Points along a random line."""
+SAMPLED_STATIONS = (41, 81, 161, 321)
+"""Points along a random line: as many as its crossings need, odd numbers."""
 _FEW_STATIONS = 33
 _RAYS = 300
 _COMPONENTS = 4
@@ -40,11 +40,12 @@ def random_lines(
     across: FloatArray,
     places: Places,
     size: int,
+    stations: int,
     asked: FloatArray,
     rng: np.random.Generator,
 ) -> LineRule:
     """Lines along one direction (d,), at places drawn in the other directions (d, d - 1)."""
-    positions = np.linspace(-REACH, REACH, SAMPLED_STATIONS)
+    positions = np.linspace(-REACH, REACH, stations)
     drawn = places.draw(size, rng)
     weights = np.exp(-places.log_density(drawn)) / size
     points = _on_lines(drawn, positions, along, across)
@@ -99,12 +100,16 @@ def _picked(count: int) -> IntArray:
 
 
 def random_rays(
-    mixture: DirectionMixture, size: int, asked: FloatArray, rng: np.random.Generator
+    mixture: DirectionMixture,
+    size: int,
+    stations: int,
+    asked: FloatArray,
+    rng: np.random.Generator,
 ) -> LineRule:
     """Rays in directions drawn from a mixture, weighted so that means are those of all rays."""
     d = mixture.means.shape[1]
     directions = mixture.draw(size, rng)
-    radii = np.linspace(0.0, radial_reach(d), SAMPLED_STATIONS)
+    radii = np.linspace(0.0, radial_reach(d), stations)
     points = (directions[:, None, :] * radii[:, None]).reshape(-1, d)
     weights = np.exp(-mixture.log_density(directions)) / size
     return LineRule(points, weights, radii, asked=asked, radial=d, sampled=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import TOLERANCE, Compared
+from uqfold.system.sampled_rule import SAMPLED_STATIONS
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -42,8 +43,13 @@ _CHECKED, _CONFIRMED, _CONTRADICTED = 10_000, 2.5, 6.0
 # Shares of the points: in the trial of lines and rays, and in the end; criteria in the trial.
 _TRIED, _FEWER, _CRITERIA_TRIED = 16, 4, 8
 _MOST_COARSE = 20_000
-# Error of a reliability index at which no more lines are drawn.
+# Error of a reliability index at which no more lines are drawn, nor more stations along them.
 _ENOUGH = 1e-3
+# Joint errors from which lines and rays contradict each other.
+_AT_ODDS = 4.0
+# Share of what twice as many stations change that the finer ones leave: a sixteenth where the
+# surface is smooth, more at kinks.
+_HALVED = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +62,22 @@ class Responses:
         From all lines.
     parts
         From parts of lines drawn at random, in order to tell their error; empty for quadrature.
+    thinned
+        From every second station of such lines, in order to tell the error along them.
     """
 
     whole: list[ConditionalResponse]
     parts: list[list[ConditionalResponse]]
+    thinned: list[ConditionalResponse]
+
+
+class _Trial(NamedTuple):
+    """Lines or rays drawn, the indices (C,) that they give, their errors (C,), and those along."""
+
+    system: SurfaceSystem
+    indices: FloatArray
+    errors: FloatArray
+    along: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,22 +202,35 @@ class SurfaceSystem:
         its own scatter does not show: the distance counts as an error.
         """
 
-        def tried(most: int, *, rays: bool) -> tuple[FloatArray, FloatArray, SurfaceSystem]:
-            trial = replace(self, rule=drawn.rule(most, rays=rays))
-            responses = trial.responses(surface)
-            indices = reliability_indices(trial.failures_given(responses, criteria))
-            return indices, trial.integration_errors(responses, criteria), trial
+        def tried(most: int, stations: int, *, rays: bool) -> _Trial:
+            system = replace(self, rule=drawn.rule(most, rays=rays, stations=stations))
+            responses = system.responses(surface)
+            return _Trial(
+                system,
+                reliability_indices(system.failures_given(responses, criteria)),
+                system.integration_errors(responses, criteria),
+                float(system._along_lines(responses, criteria).max()),
+            )
+
+        def trial(*, rays: bool) -> _Trial:
+            for stations in SAMPLED_STATIONS:
+                found = tried(most, stations, rays=rays)
+                if found.along <= _ENOUGH:
+                    break
+            return found
 
         most, enough = max_points // _TRIED, max_points // _FEWER
-        by_lines, by_rays = tried(most, rays=False), tried(most, rays=True)
-        gap = np.abs(by_lines[0] - by_rays[0])
-        contradicted = gap > _CONTRADICTED * np.hypot(by_lines[1], by_rays[1])
+        lines, rays = trial(rays=False), trial(rays=True)
+        gap = np.abs(lines.indices - rays.indices)
+        contradicted = gap > _AT_ODDS * np.hypot(lines.errors, rays.errors)
         error = float(gap[contradicted].max(initial=0.0))
-        rays = bool(by_rays[1].max() < by_lines[1].max())
-        _, errors, found = by_rays if rays else by_lines
-        while errors.max() > _ENOUGH and most < enough:
+        by_rays = bool(rays.errors.max() < lines.errors.max())
+        best = rays if by_rays else lines
+        stations = best.system.rule.lines.stations.size
+        while best.errors.max() > _ENOUGH and most < enough:
             most = min(4 * most, enough)
-            _, errors, found = tried(most, rays=rays)
+            best = tried(most, stations, rays=by_rays)
+        found = best.system
         step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
         rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
         return replace(found, rule=rule, coarse=coarse)
@@ -240,12 +271,12 @@ class SurfaceSystem:
         values = surface(points)
         whole = self.rule.responses(values, kinds, noise)
         if not self.rule.lines.sampled:
-            return Responses(whole, [])
-        parts = [
+            return Responses(whole, [], [])
+        *parts, thinned = (
             part.responses(values[some], None if kinds is None else kinds[some], noise)
-            for part, some in self.rule.parts(_GROUPS)
-        ]
-        return Responses(whole, parts)
+            for part, some in [*self.rule.parts(_GROUPS), self.rule.thinned()]
+        )
+        return Responses(whole, parts, thinned)
 
     def failures_given(
         self, responses: Responses, criteria: Sequence[Criterion]
@@ -258,13 +289,14 @@ class SurfaceSystem:
 
         Of quadrature: the tolerance of its refinement, or what this has still changed if that is
         more; what else is asked makes no difference to a rule that meets the tolerance. Of lines
-        drawn at random: the standard error, from the scatter of the answers of eight parts, and
-        what lines and rays contradict each other by.
+        drawn at random: the standard error, from the scatter of the answers of eight parts, what
+        twice as many stations along them change, and what lines and rays contradict each other by.
         """
         if not responses.parts:
             left = self.rule.error
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
             return np.full(len(criteria), error)
+        along = self._along_lines(responses, criteria)
         indices = np.array(
             [
                 reliability_indices(self._answer(self.rule, part, criteria))
@@ -272,7 +304,16 @@ class SurfaceSystem:
             ]
         )
         scatter = _FEW_PARTS * indices.std(axis=0, ddof=1) / math.sqrt(_GROUPS)
-        return np.asarray(np.hypot(math.hypot(_ROUNDING, self.rule.error), scatter))
+        fixed = math.hypot(_ROUNDING, self.rule.error)
+        return np.asarray(np.sqrt(fixed**2 + along**2 + scatter**2))
+
+    def _along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
+        """Error (C,) of the reliability indices from stations too far apart on random lines."""
+        found, coarser = (
+            reliability_indices(self._answer(self.rule, some, criteria))
+            for some in (responses.whole, responses.thinned)
+        )
+        return np.asarray(_HALVED * np.abs(found - coarser))
 
     def changes(
         self,

@@ -89,6 +89,11 @@ class SurfaceRule:
             for i in range(count)
         ]
 
+    def thinned(self) -> tuple[SurfaceRule, IntArray]:
+        """The rule with every second station of all lines, and which of all points it takes."""
+        place = np.arange(self.points.shape[0]).reshape(-1, self.lines.stations.size)
+        return replace(self, lines=self.lines.thinned()), place[:, ::2].ravel()
+
     def responses(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
     ) -> list[ConditionalResponse]:
