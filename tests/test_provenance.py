@@ -103,7 +103,7 @@ def test_editing_a_plot_or_a_help_text_makes_no_measurement_stale(
     assert edited(
         package,
         "methods/kriging.py",
-        lambda text: text.replace("runs: int = 100", "runs: int = 99"),
+        lambda text: text.replace("spread: float = 2.0", "spread: float = 1.9"),
         case,
         METHOD,
     ) == ("uqfold/methods",)

@@ -1,6 +1,7 @@
 """The command `uqfold validate`, on small cases."""
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -52,7 +53,9 @@ def test_all_that_hold_give_exit_code_0(
 
 
 def forget(cases: Path) -> None:
-    """Import the cases anew, as a new process does."""
+    """Import the cases anew, as a new process does after an edit of the same size."""
+    for kept in cases.rglob("__pycache__"):
+        shutil.rmtree(kept)
     for name in [one for one in sys.modules if one.startswith(f"{cases.name}.")]:
         del sys.modules[name]
 

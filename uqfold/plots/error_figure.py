@@ -89,7 +89,7 @@ def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Ax
         said = f"median error {percent(typical)}\n{cost:,.0f} evaluations"
         tell(points, gid(method=label), [said])
     for level, alpha, which in (("max", 0.45, "some references"), ("min", 1.0, "every reference")):
-        high = errors["level"].agg(level)
+        high = min(errors["level"].agg(level), axes.get_ylim()[1])
         if high > low:
             axes.axhspan(low, high, facecolor=(BAND_COLOR, alpha), linewidth=0.0, zorder=0.2,
                          label=f"below 2 standard errors\nof {which}")  # fmt: skip
