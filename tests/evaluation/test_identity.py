@@ -1,5 +1,7 @@
 """A store never answers for another model: what identifies one in it."""
 
+import collections
+import dataclasses
 import datetime
 import enum
 import functools
@@ -11,7 +13,7 @@ from dataclasses import InitVar, dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -352,3 +354,216 @@ def test_lambdas_are_told_by_their_code(tmp_path: Path) -> None:
         session = Evaluator(store=tmp_path / "runs.db").open(models.problem(model), None)
         np.testing.assert_array_equal(session.evaluate(x), x[:, column])
         assert session.n_reused == 0
+
+
+@dataclass(frozen=True)
+class Keyed(dict):  # type: ignore[type-arg]
+    def __init__(self, p: float) -> None:
+        dict.__init__(self, a=p)
+
+
+@dataclass(frozen=True)
+class Listing(tuple):  # type: ignore[type-arg]
+    def __new__(cls, p: float) -> Any:
+        return tuple.__new__(cls, (p,))
+
+    def __init__(self, p: float) -> None:
+        """Leave what ``__new__`` has made."""
+
+
+@dataclass(frozen=True)
+class Number(float):
+    def __init__(self, p: float) -> None:
+        """Leave what ``__new__`` has made."""
+
+
+class Slotted:
+    __slots__ = ("z",)
+
+
+@dataclass(frozen=True)
+class OfSlotted(Slotted):
+    def __init__(self, p: float) -> None:
+        object.__setattr__(self, "z", p)
+
+
+class Named(NamedTuple):
+    column: int = 0
+
+
+class Attributed(Named):
+    p: float
+
+
+def named_tuple(p: float) -> Any:
+    one = Attributed()
+    one.p = p
+    return one
+
+
+class Grade(enum.Enum):
+    FINE = 1
+
+
+def member_with_attribute(p: float) -> Any:
+    Grade.FINE.factor = p  # type: ignore[attr-defined]
+    return Grade.FINE
+
+
+def local_enum(p: float) -> Any:
+    class Local(enum.Enum):
+        FINE = 1
+
+        def factor(self) -> float:
+            return p
+
+    return Local.FINE
+
+
+def local_number_of_enum(p: float) -> Any:
+    class Local(float, enum.Enum):
+        FINE = 1
+
+        def __new__(cls, value: int) -> Any:
+            one = float.__new__(cls, p)
+            one._value_ = value
+            return one
+
+    return Local.FINE
+
+
+def run_time_class(p: float) -> Any:
+    return type("T", (), {"a": p})
+
+
+def run_time_tuple(p: float) -> Any:
+    return collections.namedtuple("Q", ["z"], defaults=[p])
+
+
+def run_time_dataclass(p: float) -> Any:
+    return dataclasses.make_dataclass("D", [], frozen=True, namespace={"k": p})()
+
+
+def with_metaclass(p: float) -> Any:
+    class Meta(type):
+        @property
+        def factor(cls) -> float:
+            return p
+
+    class Local(metaclass=Meta):
+        """Has nothing of its own."""
+
+    return Local
+
+
+def partial_method(p: float) -> Any:
+    @dataclass(frozen=True)
+    class Local:
+        __call__ = functools.partialmethod(two, factor=p)
+
+    return Local()
+
+
+def of_text(p: float) -> Any:
+    """Return what sympy's lambdify would: a function of the same name each time."""
+    made: dict[str, Any] = {}
+    exec(f"def generated(x):\n    return {p} * x[:, 0]", made)
+    return made["generated"]
+
+
+class OfNoCompiler:
+    py_func = staticmethod(two)
+
+    def __init__(self, p: float) -> None:
+        self.p = p
+
+
+def own_module(p: float) -> Any:
+    module = types.ModuleType("settings")
+    module.p = p  # type: ignore[attr-defined]
+    return module
+
+
+def filled(p: float) -> Any:
+    return np.ma.array([1.0, 2.0], mask=[0, 1], fill_value=p)
+
+
+class Tagged(PurePosixPath):
+    """A path that holds something else too."""
+
+
+def tagged(p: float) -> Any:
+    path = Tagged("a")
+    path.p = p  # type: ignore[attr-defined]
+    return path
+
+
+@pytest.mark.parametrize("bound", [False, True])
+@pytest.mark.parametrize(
+    "make",
+    [
+        *(Keyed, Listing, Number, OfSlotted, named_tuple, member_with_attribute, local_enum),
+        *(local_number_of_enum, run_time_class, run_time_tuple, run_time_dataclass),
+        *(with_metaclass, partial_method, of_text, OfNoCompiler, own_module, filled, tagged),
+    ],
+)
+def test_all_that_an_object_holds_is_described_or_it_is_refused(make: Any, bound: bool) -> None:
+    """Bases with content, slots, attributes, classes made at run time: each holds p somewhere."""
+
+    def told(p: float) -> Any:
+        value = make(p)
+        try:
+            held = functools.partial(two, factor=value) if bound else value
+            return described(held)
+        except UndescribedError:
+            return None
+
+    first, second = told(0.1), told(0.9)
+    assert first is None or first != second
+
+
+@pytest.mark.parametrize("make", [OfSlotted, named_tuple, member_with_attribute, run_time_class])
+def test_what_has_more_attributes_than_usual_is_recognised(make: Any) -> None:
+    assert described(make(0.1)) == described(make(0.1)) != described(make(0.9))
+
+
+@pytest.mark.parametrize("kind", [Keyed, Number, local_enum])
+def test_an_object_of_which_not_all_is_seen_is_not_stored(kind: Any, tmp_path: Path) -> None:
+    """The store does not answer for a frozen dataclass that is a dict, say, with other content."""
+    models_of = [functools.partial(two, factor=kind(p)) for p in (0.1, 0.9)]
+    for model in models_of:
+        with pytest.warns(UserWarning, match=r"nothing is stored: .* content|made while"):
+            Evaluator(store=tmp_path / "runs.db").open(models.problem(model), None)
+
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+@dataclass(frozen=True)
+class Typed(Generic[T_co]):
+    p: float
+
+
+@dataclass(frozen=True, slots=True)
+class Slim:
+    p: float
+    log: Any = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class SlimChild(Slim):
+    q: float = 1.0
+
+
+def test_usual_bases_and_slots_change_no_description() -> None:
+    """Entries of earlier stores are found again."""
+    here = __name__
+    p = ["p", ["float", "0x1.0000000000000p+0"]]
+    assert described(Typed[float](1.0)) == ["record", f"{here}.Typed", [p], []]
+    assert described(Slim(1.0, "log")) == ["record", f"{here}.Slim", [p], []]
+    child = ["record", f"{here}.SlimChild", [p, ["q", p[1]]], []]
+    assert described(SlimChild(1.0, "log")) == child
+    assert described(Named(2)) == [f"{here}.Named", [["int", "2"]], []]
+    assert described(Material.STEEL) == ["enum", f"{here}.Material", "STEEL", ["int", "1"]]
+    assert described(Level.STEEL) == ["enum", f"{here}.Level", "STEEL", ["int", "1"]]
+    assert described(type(None)) == ["type", "builtins.NoneType", []]

@@ -6,7 +6,7 @@ import hashlib
 import json
 import types
 
-from uqfold.evaluation.description import captured, described
+from uqfold.evaluation.description import captured, described, uncompiled
 from uqfold.problems.base import Problem
 
 SCHEME = "uqfold-model/3"
@@ -36,7 +36,7 @@ def model_identity(problem: Problem) -> bytes | None:
     if problem.version is None:
         return None
     model = problem.model
-    function = getattr(model, "py_func", model)
+    function = uncompiled(model)
     content = [
         SCHEME,
         problem.name,
