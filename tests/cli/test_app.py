@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -256,3 +257,60 @@ def test_studies_are_scripts_now(words: list[str], capsys: pytest.CaptureFixture
     assert run("study", *words) == 2
     said = capsys.readouterr().err
     assert "studies are scripts now, run python studies/<name>/study.py" in said
+
+
+OWN = """
+import uqfold
+from scipy import stats
+
+def model(x):
+    return x[:, 0]
+
+def problem():
+    return uqfold.Problem(model, individual={"a": stats.norm(0, 1)})
+
+def broken():
+    return 1 / 0
+"""
+
+
+@pytest.fixture
+def own(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A file with a problem of one's own, in the working folder."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    Path("cantilever.py").write_text(OWN, encoding="utf-8")
+    yield "cantilever.py"
+    sys.modules.pop("cantilever", None)
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        ("model", "model must be a function without arguments that returns a uqfold.Problem"),
+        ("broken", "cantilever.py, line 12: ZeroDivisionError: division by zero"),
+        ("problem", "no criteria of its own: give --threshold T, or build it with default_crit"),
+    ],
+)
+def test_a_problem_of_ones_own_is_refused_in_one_line(
+    own: str, function: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("compare", f"{own}:{function}") == 2
+    err = capsys.readouterr().err
+    assert said in err.splitlines()[-1]
+    assert "Traceback" not in err
+
+
+def test_problems_of_ones_own_are_kept_apart_by_file_and_function(own: str) -> None:
+    """Two files with a function `problem` do not write into one folder."""
+    words = ["--method", "mc", "--threshold", "1", "--max-evals", "1000", "--no-figures"]
+    assert run("compare", f"{own}:problem", *words, "--quiet") == 0
+    folder = Path("uqfold-results", "cantilever-problem")
+    assert len(read_records(folder)) == 1
+
+
+@pytest.mark.parametrize("words", [["compare"], ["validate"], ["report"], ["problems"]])
+def test_help_fits_a_terminal_of_80_columns(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*words, "--help") == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80

@@ -11,6 +11,8 @@ from uqfold.methods import (
     FFNIPearson,
     FFNISaddlepoint,
     Kriging,
+    MonteCarlo,
+    OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
 )
@@ -141,3 +143,16 @@ def test_what_only_the_last_check_has_met_makes_the_answer_doubtful(
     if math.isnan(response):
         assert row.n_failed == 1
         assert (row.pf_low, row.pf_high) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    "method", [OpenTURNSMonteCarlo(target_cov=0.01), MonteCarlo(target_cov=0.01)], ids=named
+)
+def test_failed_runs_are_doubtful_also_where_the_budget_ends(method: ReliabilityMethod) -> None:
+    """Failed runs leave bounds apart: a doubt, and more than the end of the budget."""
+    failing = problem(lambda x: np.where(x[:, 1] > 1.0, math.nan, SYSTEM.response(x)), units=1)
+    row = method.estimate(failing, criteria(10.6), max_evals=1000, rng=1)[0]
+    assert row.pf_low < row.pf_high
+    assert row.status == "doubtful"
+    assert "coefficient of variation" in row.message
+    assert f"{row.n_failed} of {row.n_evals} runs failed" in row.message

@@ -133,6 +133,12 @@ def test_no_criterion_is_begun_after_the_limit(
     assert len({row.status for row in result}) > 1
 
 
+def test_form_names_the_limit_that_cut_its_search(slow: Callable[..., Any]) -> None:
+    row = OpenTURNSFORM().estimate(criteria=criteria(11.0), **slow(9.0))[0]
+    assert row.status == "budget_exhausted"
+    assert "the wall-clock limit of 9 s is over after 9 runs" in row.message
+
+
 @pytest.mark.parametrize(
     "method",
     [Kriging(runs=20), PolynomialChaos(runs=20), ActiveKriging(runs=20), FFNIPearson(rows=9_000)],

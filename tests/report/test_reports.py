@@ -214,3 +214,13 @@ def test_more_rows_than_a_page_can_show_are_refused(frame: pd.DataFrame) -> None
     """A frame of 1e5 rows took minutes, and made a page of 180 MB."""
     with pytest.raises(ValueError, match=r"has 20,000 rows, a report shows 10,000 at most: select"):
         report_page(pd.concat([frame[:1]] * 20_000))
+
+
+def test_one_answer_is_and_several_are(small: pd.DataFrame) -> None:
+    """One doubtful answer "is doubtful", two "are"."""
+    one, two = small.copy(), small.copy()
+    one["status"] = two["status"] = "converged"
+    one.iloc[0, one.columns.get_loc("status")] = "doubtful"
+    two.iloc[:2, two.columns.get_loc("status")] = "doubtful"
+    assert f"1 of {len(small)} is doubtful" in html_of(one)
+    assert f"2 of {len(small)} are doubtful" in html_of(two)

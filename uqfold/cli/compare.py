@@ -46,15 +46,15 @@ and figures (PNG, SVG).
 \b
 Problems:
 {_LISTED}
-  FILE.py:FUNCTION             a problem of your own: what the function in the file returns
+  FILE.py:FUNCTION             what a function of your own returns
 
 \b
 Examples:
   uqfold compare folding-wing
-  uqfold compare series --method ffni-spa --method mc --threshold 2 --threshold 4
-  uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04 --missions 1,5
-  uqfold compare folding-wing --missions 10:0.7 --max-evals 5000 --seed 7 --out results
-  uqfold compare folding-wing --method mc --max-evals 8000000 --store wing.db
+  uqfold compare series --method ffni-spa,mc --threshold 2,4
+  uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04
+  uqfold compare folding-wing --missions 10:0.7 --seed 7 --out results
+  uqfold compare folding-wing --method mc --store wing.db
 """
 
 Words = list[str] | None
@@ -84,7 +84,8 @@ def compare_methods(
     ] = None,
     seed: Annotated[int, option("N", "Seed of every method.")] = 0,
     out: Annotated[
-        Path | None, option("DIR", "Where to write. Default: uqfold-results/PROBLEM.")
+        Path | None,
+        option("DIR", "Where to write. Default: uqfold-results/PROBLEM, or FILE-FUNCTION there."),
     ] = None,
     no_figures: Annotated[bool, flag("--no-figures", "Draw no figures.")] = False,
     quiet: Annotated[
@@ -110,18 +111,17 @@ def compare_methods(
 ) -> None:
     """Compare methods on a problem."""
     chosen = usage(named_problem, problem)
-    asked = chosen.problem()
+    asked = usage(chosen.problem)
 
     from uqfold.cli.words import chosen_criteria, listed
     from uqfold.comparison.plan import plan_comparison
     from uqfold.evaluation import Dask, Evaluator
-    from uqfold.problems.criterion import Criteria
 
     def plan() -> ComparisonPlan:
         return plan_comparison(
             asked,
             None if method is None else listed(method),
-            chosen_criteria(Criteria(asked.default_criteria or ()), threshold, tau, missions),
+            chosen_criteria(asked.default_criteria, threshold, tau, missions),
             max_evals=chosen.max_evals if max_evals is None else max_evals,
             rng=seed,
             evaluator=Evaluator(

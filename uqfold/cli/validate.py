@@ -19,11 +19,11 @@ Each case states one claim, what it is compared with, and a tolerance with its r
 
 \b
 Exit code:
-  0  every verdict is the one of the record kept beside its case, "does not hold"
-     included; a case without such a record is expected to hold
+  0  every verdict is the one of the record kept beside its case,
+     "does not hold" included; a case without a record is expected to hold
   1  a verdict has changed
-  2  something broke: a case could not be measured, a planted fault went unnoticed,
-     or a word of the command is wrong
+  2  something broke: a case could not be measured, a planted fault went
+     unnoticed, or a word of the command is wrong
 
 \b
 Tiers:

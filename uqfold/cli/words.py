@@ -49,7 +49,7 @@ def listed(words: Iterable[str]) -> list[str]:
 
 
 def chosen_criteria(
-    default: Criteria,
+    default: Criteria | None,
     threshold: Iterable[str] | None,
     tau: Iterable[str] | None,
     missions: Iterable[str] | None,
@@ -59,8 +59,15 @@ def chosen_criteria(
     Raises
     ------
     ValueError
-        If a word cannot be read or is out of range.
+        If a word cannot be read or is out of range, or no threshold is known.
     """
+    if default is None:
+        if threshold is None:
+            raise ValueError(
+                "the problem has no criteria of its own: give --threshold T, or build it with "
+                "default_criteria="
+            )
+        default = criteria(0.0)
     if threshold is None and tau is None and missions is None:
         return default
     return criteria(

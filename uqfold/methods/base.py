@@ -325,7 +325,7 @@ class ReliabilityMethod(ABC):
             )
         message = f"{estimate.message}; {lost}" if estimate.message else lost
         status = estimate.status
-        if status in ("converged", "unchecked") and estimate.pf_high > estimate.pf_low:
+        if estimate.pf_high > estimate.pf_low:
             status = "doubtful"
         return replace(estimate, status=status, message=message)
 

@@ -132,7 +132,7 @@ class Search:
     trace
         Every linearisation on the way, and the algorithm that asked for it; never empty.
     cut
-        Whether the budget ended the search.
+        Why budget or time ended the search; empty where they did not.
     out_of_reach
         Whether the limit state seems to lie beyond the search radius.
     rival
@@ -147,7 +147,7 @@ class Search:
 
     threshold: float
     trace: list[tuple[Linearisation, str]]
-    cut: bool = False
+    cut: str = ""
     out_of_reach: bool = False
     rival: FloatArray | None = None
     several: bool = False
@@ -267,6 +267,11 @@ def _breitung(radius: float, curvatures: FloatArray) -> float:
 
 def verdict(search: Search, start: Start, tolerance: float) -> tuple[Status, str]:
     """Judge what a search has left: a status and the reason for it."""
+    status, message = _judged(search, start, tolerance)
+    return status, f"{message}; {search.cut}" if search.cut else message
+
+
+def _judged(search: Search, start: Start, tolerance: float) -> tuple[Status, str]:
     threshold, best, error = search.threshold, search.best, search.error
     beta = best.beta(threshold)
     where = f"u = {shown(best.u)}, beta = {beta:.4g}"

@@ -187,8 +187,8 @@ class OpenTURNSFORM(ReliabilityMethod):
                 search.look_around(response, self.tolerance)
             if search.rival is not None:
                 search = self._second(response, search, search.rival)
-        except BudgetExceededError:
-            search.cut = True
+        except BudgetExceededError as error:
+            search.cut = str(error)
         search.n_evals = response.session.n_evals - before
         return search
 

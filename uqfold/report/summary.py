@@ -22,11 +22,11 @@ _MOST_NAMED = 3
 """Methods named one by one in a card; the table below has them all."""
 _STATUSES: dict[str, tuple[str, Tone]] = {
     "failed": ("failed", "bad"),
-    "doubtful": ("are doubtful", "warn"),
-    "budget_exhausted": ("are out of budget", "warn"),
-    "unsupported": ("are outside what a method can do", "quiet"),
-    "unchecked": ("are unchecked", ""),
-    "converged": ("are converged", "good"),
+    "doubtful": ("{are} doubtful", "warn"),
+    "budget_exhausted": ("{are} out of budget", "warn"),
+    "unsupported": ("{are} outside what a method can do", "quiet"),
+    "unchecked": ("{are} unchecked", ""),
+    "converged": ("{are} converged", "good"),
 }
 """Status -> what is said of answers that have it, and their tone; the worst first."""
 _FAULTS = ["failed", "doubtful", "budget_exhausted"]
@@ -108,9 +108,9 @@ def _add_cost(page: Page, scores: pd.DataFrame) -> None:
 def _add_failures(page: Page, scores: pd.DataFrame) -> None:
     asked = scores["asked"].sum()
     said = {
-        status: f"{scores[status].sum()} of {asked} answers {words}"
+        status: f"{n} of {asked} answers {words.format(are='is' if n == 1 else 'are')}"
         for status, (words, _) in _STATUSES.items()
-        if scores[status].any()
+        if (n := scores[status].sum()) > 0
     }
     tone = _STATUSES[next(iter(said))][1]
     if len(said) > 1:
