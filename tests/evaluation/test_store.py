@@ -7,7 +7,9 @@ import sqlite3
 import stat
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ from tests.evaluation import models
 from uqfold.evaluation import Evaluator, FailedRunError, Store, StoreError
 from uqfold.evaluation.calling import COMPARED
 from uqfold.evaluation.identity import model_identity
+from uqfold.evaluation.row_model import RowModel
 from uqfold.evaluation.shelf import MOST_WAITING, Shelf
 from uqfold.evaluation.store import entry_key
 from uqfold.methods import FFNIPearson, MonteCarlo
@@ -421,3 +424,61 @@ def test_numpy_scalars_are_as_good_as_numbers() -> None:
     evaluator = Evaluator(batch_rows=np.int64(7), max_seconds=np.float32(2))  # type: ignore[arg-type]
     assert (evaluator.batch_rows, evaluator.max_seconds) == (7, 2.0)
     assert type(evaluator.batch_rows) is int
+
+
+class Stopped(BaseException):
+    """What the handler of a signal raises."""
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, Stopped])
+@pytest.mark.parametrize("batch_rows", [None, 1024])
+def test_each_finished_sample_is_stored_when_the_program_is_stopped(
+    raised: type[BaseException], batch_rows: int | None, path: Path
+) -> None:
+    """With `batch_rows`, as the command line has it, Ctrl-C lost all samples of a batch."""
+    made = 0
+
+    def stop(number: int, frame: object) -> None:
+        raise raised
+
+    def sample(x: FloatArray) -> float:
+        nonlocal made
+        if made == 30:
+            signal.raise_signal(signal.SIGINT)
+        made += 1
+        return float(x[0] - x[1])
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        with Store(path) as store:
+            evaluator = Evaluator(store=store, batch_rows=batch_rows)
+            session = evaluator.open(models.problem(Sampled(sample)), None)
+            with pytest.raises(raised):
+                session.evaluate(models.rows(400))
+            assert len(store) == 30
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@dataclass(frozen=True)
+class Sampled(RowModel):
+    """A function of one sample that is no part of what the model is."""
+
+    function: Callable[[FloatArray], float] = field(compare=False)
+    parallel: int = 1
+
+    def run(self, x: FloatArray) -> float:
+        return self.function(x)
+
+
+def test_threads_of_a_model_of_samples_share_a_batch() -> None:
+    """With `batch_rows`, as the command line has it, one thread ran all of them."""
+    both = threading.Barrier(2, timeout=60.0)
+
+    def sample(x: FloatArray) -> float:
+        both.wait()
+        return float(x[0])
+
+    session = Evaluator(batch_rows=1024).session(Sampled(sample, parallel=2), 2, None)
+    x = models.rows(20)
+    np.testing.assert_array_equal(session.evaluate(x), x[:, 0])

@@ -41,10 +41,13 @@ class Caution:
         all failed by raising.
     in_doubt
         It is still to be found out whether the model takes rows.
+    outgrown
+        The batch has so many rows that some are to be compared with themselves alone again.
     """
 
     may_give_up: bool = False
     in_doubt: bool = False
+    outgrown: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,8 @@ class Outcome:
         Time that the batch took where it was run (s).
     in_doubt
         Whether it is still to be found out that the model takes rows.
+    compare_from
+        A batch of so many rows is the next in which rows are to be compared; 0 if none were here.
     unusable
         Why the model cannot be used at all; empty if it can.
     died
@@ -71,6 +76,7 @@ class Outcome:
     reason: str
     seconds: float
     in_doubt: bool = False
+    compare_from: int = 0
     unusable: str = ""
     died: str = ""
 
@@ -94,7 +100,8 @@ def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:
     """
     started = time.perf_counter()
     reasons: list[str] = []
-    calls = Calls(model, caution.in_doubt and not isinstance(model, RowModel), reasons)
+    in_doubt = caution.in_doubt and not isinstance(model, RowModel)
+    calls = Calls(model, in_doubt, caution.outgrown, reasons)
     unusable = ""
     # the limit of the estimate ends no run that was started, whatever the model is made of
     with time_checked_by(None):
@@ -106,7 +113,8 @@ def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:
         except UnusableError as error:
             y, unusable = np.full(x.shape[0], np.nan), str(error)
     seconds = time.perf_counter() - started
-    return Outcome(y, reasons[0] if reasons else "", seconds, calls.in_doubt, unusable)
+    reason = reasons[0] if reasons else ""
+    return Outcome(y, reason, seconds, calls.in_doubt, calls.compare_from, unusable)
 
 
 def _sample(model: RowModel, x: FloatArray, reasons: list[str]) -> float:

@@ -3,14 +3,16 @@
 Nothing in a function says whether it takes rows, or one sample (d,); and what it returns may have
 the right shape by chance, as that of a function of one sample has where n = d. So the first rows
 that a model is run on tell: some of them are run again alone. What a row means must be the same
-alone and among others, or the model is refused.
+alone and among others, or the model is refused. A few rows say little of the many that come later,
+so that this is repeated when a time limit has made the first batches small.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,8 +30,14 @@ REPEATS = 4
 SHARE_OF_SPREAD, SHARE_OF_SIZE = 1e-4, 1e-6
 """Difference between a row alone and among others that is rounding, or the tolerance of a solver:
 so much of the responses' interquartile range, and of their size."""
-NOISE_RANGES = 10.0
-"""A noisy row lies within so many ranges of its repeats."""
+NOISE_RANGES, NOISE_RANGES_OF_EXTREMES = 10.0, 100.0
+"""A noisy row lies within so many ranges of its repeats, and within so many if it was chosen for
+its response."""
+FEW = 8
+"""So few rows may agree by chance: they may have been in the order in which a model sorts them."""
+GROWTH_OF_FEW, GROWTH = 1.5, 8.0
+"""Rows are compared again in a batch of this multiple of the few, or many, compared among before.
+Where they are noisy, which takes more runs, few are as many."""
 
 _WRAP = "If it takes one sample x (d,), wrap it: uqfold.evaluation.per_sample(model)"
 _OTHER_ARGUMENTS = re.compile("positional argument|keyword-only argument|takes no (keyword )?arg")
@@ -57,13 +65,19 @@ class Calls:
         The model.
     in_doubt
         Whether it is still to be found out that the model takes rows.
+    outgrown
+        Whether there are so many rows that some are to be compared again.
     reasons
         Why runs have failed.
+    compare_from
+        A batch of so many rows is the next in which rows are to be compared; 0 if none were now.
     """
 
     model: Model
     in_doubt: bool
+    outgrown: bool
     reasons: list[str]
+    compare_from: int = 0
     _samples_tried: int = 0
 
     def responses(self, x: FloatArray) -> FloatArray:
@@ -77,8 +91,13 @@ class Calls:
             If what it returns are not responses of these rows.
         """
         y = self._one_per_row(self._called(x), x)
-        if self.in_doubt and x.shape[0] > 1:
-            self._compare(x, y)
+        if x.shape[0] > 1:
+            if self.in_doubt:
+                self._compare(x, y, _telling(y), NOISE_RANGES)
+            elif self.outgrown and not self.compare_from:
+                noisy = self._compare(x, y, _extremes(y), NOISE_RANGES_OF_EXTREMES)
+                if noisy:
+                    self._compare(x, y, _telling(y), NOISE_RANGES)
         return y
 
     def look_at_sample(self, x: FloatArray) -> None:
@@ -143,10 +162,12 @@ class Calls:
             entry = returned[row] if listed else np.asanyarray(returned)[row]
             self.reasons.append(f"the model returned {failure_in(entry)} at x = {shown(x[row])}")
 
-    def _compare(self, x: FloatArray, y: FloatArray) -> None:
-        """Run some rows again alone."""
-        compared, failure = 0, ""
-        for i in _telling(y):
+    def _compare(
+        self, x: FloatArray, y: FloatArray, places: Iterable[int], noise_ranges: float
+    ) -> bool:
+        """Run some rows again alone; return whether one of them is noisy."""
+        compared, failure, noisy = 0, "", False
+        for i in places:
             row = x[i : i + 1]
             try:
                 alone = float(self._alone(row))
@@ -156,24 +177,29 @@ class Calls:
             if np.isnan(alone):
                 failure = "is NaN"
                 continue
-            if not _same(y[i], alone, y) and not self._is_noise(row, y[i], alone):
-                self.look_at_sample(x[i])
-                raise UnusableError(
-                    f"the response to a row depends on the rows beside it: {alone:.6g} alone, "
-                    f"{y[i]:.6g} among {x.shape[0]}. Make each row's response its own, or run "
-                    f"rows one by one: Evaluator(batch_rows=1). {_WRAP}"
-                )
+            if not _same(y[i], alone, y):
+                if not self._is_noise(row, y[i], alone, noise_ranges):
+                    self.look_at_sample(x[i])
+                    raise UnusableError(
+                        f"the response to a row depends on the rows beside it: {alone:.6g} alone, "
+                        f"{y[i]:.6g} among {x.shape[0]}. Make each row's response its own, or run "
+                        f"rows one by one: Evaluator(batch_rows=1). {_WRAP}"
+                    )
+                noisy = True
             compared += 1
             if compared == COMPARED:
                 break
         if compared:
             self.in_doubt = False
-        elif failure:
+            growth = GROWTH_OF_FEW if x.shape[0] < FEW and not noisy else GROWTH
+            self.compare_from = math.ceil(growth * x.shape[0])
+        elif failure and self.in_doubt:
             self.look_at_sample(x[int(np.flatnonzero(~np.isnan(y))[-1])])
             raise UnusableError(
                 f"a row that has a response among {x.shape[0]} {failure} alone: make each row's "
                 f"response its own. {_WRAP}"
             )
+        return noisy
 
     def _alone(self, row: FloatArray) -> float:
         y = numbers_in(self._called(row))
@@ -184,7 +210,7 @@ class Calls:
             f"the model returned shape {y.shape} for one row X {row.shape}, expected (1,). {_WRAP}"
         )
 
-    def _is_noise(self, row: FloatArray, among: float, alone: float) -> bool:
+    def _is_noise(self, row: FloatArray, among: float, alone: float, ranges: float) -> bool:
         """Whether the same row gives other responses when it is run again."""
         repeats = [alone]
         for _ in range(REPEATS):
@@ -195,7 +221,7 @@ class Calls:
         values = np.array(repeats)
         if not np.isfinite([*values, among]).all():
             return len(set(repeats)) > 1
-        return bool(abs(among - values.mean()) <= NOISE_RANGES * np.ptp(values))
+        return bool(abs(among - values.mean()) <= ranges * np.ptp(values))
 
 
 def is_failed_run(error: BaseException) -> bool:
@@ -278,6 +304,14 @@ def _telling(y: FloatArray) -> Iterator[int]:
     order = known[np.argsort(y[known], kind="stable")]
     places = [known[-1], order[order.size // 2], known[0], order[0], order[-1], *known[:TRIED]]
     yield from [int(i) for i in dict.fromkeys(places)][:TRIED]
+
+
+def _extremes(y: FloatArray) -> list[int]:
+    """Rows that tell most of many: what is sorted, scaled or clipped shows at the ends."""
+    known = np.flatnonzero(np.isfinite(y))
+    if known.size == 0:
+        return []
+    return [int(known[np.argmin(y[known])]), int(known[np.argmax(y[known])])]
 
 
 def _same(among: float, alone: float, y: FloatArray) -> bool:

@@ -39,8 +39,9 @@ class Evaluator:
         runs as safe, and all as failed. ``count-as-failure``: a failed run has response +inf.
         ``raise``: the first failed run ends the whole estimate with `FailedRunError`.
     batch_rows
-        Rows handed to the model at once, at most, and lost when the program is killed. None: 1
-        for a model of one sample at a time, else 4096 in this process, 16 to 256 in workers.
+        Rows handed to the model, or to a worker, at once, at most, and lost when the program is
+        killed. None: 1 for a model of one sample at a time, else 4096 in this process, 16 to 256
+        in workers. Without an executor a model of one sample always has 1.
         Under a limit on time fewer, so that a batch takes a small part of what is left.
     progress
         Called with (runs so far, runs expected or None) after every batch.
@@ -134,7 +135,8 @@ class Evaluator:
         row_by_row = isinstance(model, RowModel)
 
         def most_rows(n: int) -> int:
-            if self.seconds_per_run is not None:
+            # a model of one sample gains nothing from batches that no worker is sent
+            if self.seconds_per_run is not None or (row_by_row and self.executor is None):
                 return 1
             if self.batch_rows is not None:
                 return self.batch_rows

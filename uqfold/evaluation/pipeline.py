@@ -128,7 +128,8 @@ class Pipeline:
         Where responses are kept, or None.
     in_doubt
         Whether it is still to be found out that the model takes rows: a few of the first are then
-        run again alone, which counts nowhere, and nothing is stored before.
+        run again alone, which counts nowhere, and nothing is stored before. Where a time limit
+        makes the first batches small, it is done again in larger ones.
     """
 
     def __init__(
@@ -141,10 +142,12 @@ class Pipeline:
     ) -> None:
         self.runner = runner
         self._most_rows = most_rows
+        self._seconds_left = seconds_left
         self._size = BatchSize(seconds_left)
         self._shelf = shelf
         self._in_doubt = in_doubt
         self._in_question: Batch | None = None
+        self._compare_from = 2
         self._any_good = False
 
     def batches(
@@ -225,7 +228,12 @@ class Pipeline:
     def _submit(self, call: _Call, may_give_up: bool = False) -> None:
         if self._in_doubt and self._in_question is None:
             self._in_question = call.batch
-        caution = Caution(may_give_up, self._in_doubt and call.batch is self._in_question)
+        limited = math.isfinite(self._seconds_left())
+        caution = Caution(
+            may_give_up,
+            in_doubt=self._in_doubt and call.batch is self._in_question,
+            outgrown=limited and call.rows.size >= self._compare_from,
+        )
         with program_blas_threads():
             self.runner.submit(call, call.batch.x[call.rows], caution)
 
@@ -246,6 +254,7 @@ class Pipeline:
         batch.reason = batch.reason or outcome.reason or died
         batch.done = call.later.size == 0
         self._any_good = self._any_good or not np.isnan(outcome.y).all()
+        self._compare_from = max(self._compare_from, outcome.compare_from)
         self._size.took(rows.size, outcome.seconds)
         if batch is self._in_question:
             self._in_doubt = self._in_doubt and outcome.in_doubt
