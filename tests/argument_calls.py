@@ -659,7 +659,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "target_cov": number(),
                 "initial": optional(count()),
                 "batch": count(),
-                "explore": count(1).also("zero"),
+                "explore": optional(count(1).also("zero")),
                 "learning": choice("variance"),
                 "kernel": choice("best"),
                 "noise": optional(number().also("zero")),

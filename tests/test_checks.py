@@ -36,8 +36,17 @@ def test_what_is_no_number_is_a_type_error():
                 check("runs", value)
 
 
+ODD = (
+    Decimal("sNaN"),
+    Decimal("NaN"),
+    Decimal("Infinity"),
+    Decimal("1e999999"),
+    Fraction(10**400, 3),
+)
+
+
 def test_whole_numbers_out_of_range_are_value_errors():
-    for value in (5.5, np.nan, np.inf, -np.inf, 0, -1, 65, 10**400, -(10**5000)):
+    for value in (5.5, np.nan, np.inf, -np.inf, 0, -1, 65, 10**400, -(10**5000), *ODD):
         with pytest.raises(ValueError, match=r"^runs = .*: give a whole number from 2 to 64"):
             checks.whole("runs", value, at_least=2, at_most=64)
 
@@ -202,3 +211,16 @@ def test_a_value_that_cannot_be_printed_is_shown_by_its_type():
     assert shown(10**9999) == "<int>"
     assert len(shown("x" * 999)) < 100
     assert "\n" not in shown(np.zeros((3, 3)))
+
+
+def test_the_text_of_an_error_is_short_and_visible_whatever_it_holds():
+    class MuteError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError
+
+    assert checks.raised(MuteError()) == "MuteError: (its text cannot be told)"
+    told = checks.raised(ValueError("first\n\x1b[2J\ud800\u202e\x85" + "a" * 10**7 + " last"))
+    assert told.startswith("ValueError: first \ufffd[2J\ufffd\ufffd a")
+    assert told.endswith("a last")
+    assert len(told) < 450
+    assert told.isprintable()

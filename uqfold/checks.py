@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
@@ -33,6 +34,11 @@ P = ParamSpec("P")
 
 LARGEST_WHOLE = 2**63 - 1
 """No whole number without another bound is larger, so that it fits into an array."""
+
+_LONGEST = 400
+"""Characters of a text that comes from elsewhere, such as the error of a model."""
+# control characters, halves of surrogate pairs, and what turns the direction of writing
+_UNSEEN = re.compile("[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
@@ -64,7 +70,11 @@ def whole(
     number = plain(value)
     if not _is_number(number):
         raise refused(name, value, remedy, TypeError)
-    if not isinstance(number, Integral) and not (math.isfinite(number) and number == int(number)):
+    try:
+        is_whole = isinstance(number, Integral) or (math.isfinite(number) and number == int(number))
+    except (OverflowError, ValueError):  # too large, or a NaN that signals
+        is_whole = False
+    if not is_whole:
         raise refused(name, number, remedy)
     number = int(number)
     if at_most is None and abs(number) > LARGEST_WHOLE:
@@ -336,9 +346,37 @@ def refused(name: str, value: object, remedy: str, kind: type[Exception] = Value
 def shown(value: object) -> str:
     """Return a value as text of one short line, whatever its own text does."""
     try:
-        return " ".join(_SHORT.repr(value).split())
+        return one_line(_SHORT.repr(value))
     except Exception:  # such as an integer of more digits than Python prints
         return f"<{type(value).__name__}>"
+
+
+def raised(error: BaseException) -> str:
+    """Return an error's type and text as one short line, whatever its own text does."""
+    kind, said = type(error).__name__, said_by(error)
+    return f"{one_line(kind)}: {said}"
+
+
+def said_by(error: BaseException) -> str:
+    """Return an error's text as one short line; if it has none that can be told, that is said."""
+    try:
+        return one_line(str(error))
+    except Exception:
+        return "(its text cannot be told)"
+
+
+def one_line(text: str) -> str:
+    r"""Return text that comes from elsewhere as one short line that any terminal and file can take.
+
+    Of a long one both ends are left; what is not seen, and might be obeyed, is replaced.
+
+    >>> one_line("red:\x1b[31m\nnext"), len(one_line("x" * 10**6))
+    ('red:�[31m next', 400)
+    """
+    if len(text) > _LONGEST:
+        half = (_LONGEST - 5) // 2
+        text = f"{text[:half]} ... {text[-half - 1 :]}"[:_LONGEST]
+    return _UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split()))
 
 
 def plain(value: object) -> Any:

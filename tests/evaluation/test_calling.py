@@ -5,6 +5,7 @@ import os
 import signal
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -504,3 +505,84 @@ def test_a_handler_of_a_signal_ends_the_program_while_the_model_runs() -> None:
             opened(model).evaluate(rows(5))
     finally:
         signal.signal(signal.SIGUSR1, before)
+
+
+# What a model's errors say
+
+
+class SilentError(Exception):
+    def __str__(self) -> str:
+        raise RuntimeError("no text")
+
+
+class LoudError(Exception):
+    def __str__(self) -> str:
+        return "\x1b[31m" + "\ud800\x00" + "a" * 10_000_000 + "\x1b]0;title\x07 end"
+
+
+class LoudAttributeError(SilentError, AttributeError):
+    """Is looked at for what the model expects."""
+
+
+def raising_in_one_row(error: type[Exception]) -> Callable[[np.ndarray], np.ndarray]:
+    def model(x: np.ndarray) -> np.ndarray:
+        if (x[:, 0] > 5.0).any():
+            raise error
+        return x[:, 0]
+
+    return model
+
+
+SOME = np.column_stack([np.arange(8.0), np.zeros(8)])
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+@pytest.mark.parametrize("error", [SilentError, LoudError, LoudAttributeError])
+def test_an_error_is_a_failed_run_whatever_its_text_does(error: Any, wrapped: bool) -> None:
+    """An exception whose text cannot be told is one failed run; a text is cut and made visible."""
+    rows_model = raising_in_one_row(error)
+    model = per_sample(lambda x: rows_model(x[None, :])[0]) if wrapped else rows_model
+    session = opened(model)
+    y = session.evaluate(SOME)
+    assert np.isnan(y[6:]).all()
+    assert session.n_failed == 2
+    np.testing.assert_array_equal(y[:6], SOME[:6, 0])
+    told = session.first_failure
+    assert told.startswith(f"the model raised {error.__name__}: ")
+    assert told.endswith("at x = [6, 0]")
+    assert len(told) < 600
+    assert told.isprintable()
+    assert told.encode()
+    assert ("its text cannot be told" in told) == (error is not LoudError)
+    assert ("end at x" in told) == (error is LoudError)
+
+
+def test_an_estimate_with_such_an_error_has_an_answer() -> None:
+    """One run of many that fails so costs its share of pf, not the whole estimate."""
+    model = raising_in_one_row(SilentError)
+    problem = Problem.from_limit_state(model, {"a": normal(3.0, 1.0), "b": normal(2.0, 1.0)})
+    row = MonteCarlo(systems=500).estimate(problem, rng=1)[0]
+    assert row.status == "doubtful"
+    assert 0 < row.n_failed < 50
+    assert "SilentError" in row.message
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_nan_that_signals_is_a_failed_run(wrapped: bool) -> None:
+    def model(x: np.ndarray) -> list[Decimal]:
+        return [Decimal("sNaN") if row[0] > 5.0 else Decimal(row[0]) for row in x]
+
+    session = opened(per_sample(lambda x: model(x[None, :])[0]) if wrapped else model)
+    y = session.evaluate(SOME)
+    np.testing.assert_array_equal(y, [*SOME[:6, 0], np.nan, np.nan])
+    assert session.first_failure == "the model returned NaN at x = [6, 0]"
+
+
+class Unready:
+    def __float__(self) -> float:
+        raise RuntimeError("not \x1b yet")
+
+
+def test_an_object_that_is_no_float_after_all_is_no_response() -> None:
+    with pytest.raises(ModelError, match=r"a Unready \(RuntimeError: not \ufffd yet\)"):
+        opened(lambda x: [Unready() for _ in x]).evaluate(SOME)

@@ -482,3 +482,26 @@ def test_threads_of_a_model_of_samples_share_a_batch() -> None:
     session = Evaluator(batch_rows=1024).session(Sampled(sample, parallel=2), 2, None)
     x = models.rows(20)
     np.testing.assert_array_equal(session.evaluate(x), x[:, 0])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "DROP TABLE responses",
+        "ALTER TABLE responses DROP COLUMN dtype",
+        "CREATE TRIGGER t BEFORE INSERT ON responses BEGIN SELECT RAISE(ABORT, 'no'); END",
+    ],
+)
+def test_a_store_that_another_program_has_changed_is_told_with_a_remedy(
+    path: Path, change: str
+) -> None:
+    with Store(path) as store:
+        with sqlite3.connect(path) as connection:
+            connection.execute(change)
+        connection.close()
+        with pytest.raises(StoreError, match="put back a copy of the file, or give another path"):
+            store.put([(b"k", np.ones(1))])
+    if change != "DROP TABLE responses":
+        return
+    with pytest.raises(StoreError, match="put back a copy of the file, or give another path"):
+        Store(path)

@@ -13,7 +13,7 @@ import pytest
 from scipy import stats
 
 from uqfold.evaluation import Evaluator, deadline
-from uqfold.methods import ActiveKriging, ReliabilityResult
+from uqfold.methods import ActiveKriging, Kriging, ReliabilityResult
 from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
@@ -352,3 +352,24 @@ def test_a_feature_sharper_than_the_surface_can_follow_is_doubted() -> None:
     row = ActiveKriging().estimate(problem, rng=0)[0]
     assert row.status == "doubtful" or abs(row.pf - 4.4643e-4) <= 3.0 * row.std_error
     assert row.ci_low <= 4.4643e-4 <= row.ci_high
+
+
+def test_batches_of_one_run_explore_nothing_unless_it_is_said() -> None:
+    """A batch of one was refused by naming `explore`, which nobody had given."""
+    assert (ActiveKriging().explore, ActiveKriging(batch=2).explore) == (1, 1)
+    assert ActiveKriging(batch=1).explore == 0
+    with pytest.raises(ValueError, match="explore = 1: give less than batch = 1"):
+        ActiveKriging(batch=1, explore=1)
+
+
+@pytest.mark.parametrize("method", [Kriging, ActiveKriging])
+def test_noise_whose_square_overflows_is_refused_by_name(method: Any) -> None:
+    """It was an OverflowError after the runs."""
+    with pytest.raises(ValueError, match=r"noise = 1e\+300: give a standard deviation in \[0, 1e"):
+        method(noise=1e300)
+
+
+def test_noise_out_of_all_proportion_is_told_with_the_scatter_of_the_responses() -> None:
+    u = np.linspace(-1.0, 1.0, 8)[:, None]
+    with pytest.raises(ValueError, match=r"noise = 1e\+80: give less; the responses have the st"):
+        fit_gaussian_process(u, 1e-80 * u[:, 0], noise=1e80)

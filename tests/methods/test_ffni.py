@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -291,3 +292,11 @@ def test_tau_zero_holds_where_units_respond_to_shared_inputs_alone(rows: int | N
     assert zero.pf == plain.pf == pytest.approx(1 / 6)
     scattering = LinearNormalSystem().problem()
     assert method.estimate(scattering, criteria(1.5, tau=0.0), rng=1)[0].pf == 1.0
+
+
+@pytest.mark.parametrize("name", ["nodes_shared", "nodes_individual"])
+@pytest.mark.parametrize("method", [FFNISaddlepoint, FFNIPearson])
+def test_an_empty_list_of_nodes_is_refused_when_the_method_is_made(method: Any, name: str) -> None:
+    for empty in ([], ()):
+        with pytest.raises(ValueError, match=rf"^{name} = .*: give a count for each input"):
+            method(**{name: empty})

@@ -3,7 +3,14 @@
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
+from unittest.mock import patch
+
+import pytest
+
+from uqfold.methods import ReliabilityMethod, Solution, Task, registry
 
 MODULE = """
 from dataclasses import dataclass
@@ -63,6 +70,7 @@ def test_registered_method_is_listed_and_compared(tmp_path: Path) -> None:
 UNSET = MODULE.replace(
     "class Half(ReliabilityMethod):", "class Half(ReliabilityMethod):\n    n: int"
 )
+FAILING = f"{MODULE}\n    def __init__(self):\n        raise OSError('no licence')\n"
 BROKEN = {
     "missing": ("import no_such_package", "ModuleNotFoundError: No module named 'no_such_package'"),
     "exiting": ("raise SystemExit(3)", "raised SystemExit: 3"),
@@ -72,6 +80,7 @@ BROKEN = {
     "function": ("from dataclasses import dataclass as Half", "is not a ReliabilityMethod"),
     "abstract": ("from uqfold.methods import ReliabilityMethod as Half", "raised TypeError"),
     "unset": (UNSET, "raised TypeError"),
+    "failing": (FAILING, "raised OSError: no licence"),
 }
 """Name of a method and of its module -> source, and what is said about it."""
 
@@ -91,6 +100,7 @@ def test_broken_plug_ins_are_named_and_the_other_methods_go_on(tmp_path: Path) -
     for name, (_, message) in BROKEN.items():
         assert f"the method {name!r} is left out: {name}:Half " in said[name]
         assert message in said[name]
+        assert said[name].endswith(". Update or remove the package plugin-half")
     assert "ModuleNotFoundError" in said["nowhere"]
     asked = run(environment, "-m", "uqfold", "compare", "series", "--method", "exiting")
     assert asked.returncode == 2
@@ -116,3 +126,31 @@ def test_of_two_plug_ins_with_one_name_one_is_left_out(tmp_path: Path) -> None:
     assert listed.returncode == 0
     assert listed.stdout.count("always one half") == 1
     assert "the method 'half' is left out" in listed.stderr
+
+
+def test_an_entry_that_nobody_can_read_is_named_with_its_package(tmp_path: Path) -> None:
+    """An entry called "=x" has no name of its own."""
+    environment = install(tmp_path, "=x", "plugin_half:Half")
+    listed = run(environment, "-m", "uqfold", "methods")
+    assert (listed.returncode, "Traceback" in listed.stderr) == (0, False)
+    told = "is left out: x = plugin_half:Half is not module:class. Update or remove the package "
+    assert f"{told}plugin-half" in listed.stderr
+
+
+def test_a_plug_in_that_fails_later_is_named() -> None:
+    @dataclass(frozen=True)
+    class Expired(ReliabilityMethod):
+        title: ClassVar[str] = "expired"
+
+        def __post_init__(self) -> None:
+            raise OSError("no licence")
+
+        def _solve(self, task: Task) -> Solution:
+            raise NotImplementedError
+
+    methods, _ = registry._found()
+    with (
+        patch.object(registry, "_found", lambda: ({**methods, "expired": Expired}, {})),
+        pytest.raises(ValueError, match=r"name = 'expired': .*OSError: no licence; update or rem"),
+    ):
+        registry.build("expired")

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.checks import raised
 from uqfold.evaluation.calling import (
     Calls,
     RaisedError,
@@ -125,10 +126,10 @@ def _sample(model: RowModel, x: FloatArray, reasons: list[str]) -> float:
     except BaseException as error:
         if not is_failed_run(error):
             raise
-        raised = f"{type(error).__name__}: {error}"
+        told = raised(error)
         if wanted := misunderstood(error, x):
-            raise UnusableError(f"the model raised {raised}. It is called with {wanted}") from error
-        reasons.append(_raised(raised, x))
+            raise UnusableError(f"the model raised {told}. It is called with {wanted}") from error
+        reasons.append(_raised(told, x))
         return math.nan
     if math.isnan(y):
         reasons.append(f"the model returned {failure_in(returned)} at x = {shown(x)}")

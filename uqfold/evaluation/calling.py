@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.checks import raised, said_by
 from uqfold.problems.responses import ResponseError, numbers_in
 from uqfold.typing import FloatArray, Model
 
@@ -126,9 +127,9 @@ class Calls:
                 raise
             if self.in_doubt and (wanted := misunderstood(error, x)):
                 raise UnusableError(
-                    f"the model raised {type(error).__name__}: {error}. It is called with {wanted}"
+                    f"the model raised {raised(error)}. It is called with {wanted}"
                 ) from error
-            raise RaisedError(f"{type(error).__name__}: {error}") from error
+            raise RaisedError(raised(error)) from error
 
     def _one_per_row(self, returned: Any, x: FloatArray) -> FloatArray:
         if returned is None:
@@ -253,7 +254,10 @@ def failure_in(entry: Any) -> str:
         return "a complex number"
     if entry is None or type(entry).__name__ == "NAType":
         return str(entry)
-    return "NaN" if entry != entry else "a number too large for a float"  # noqa: PLR0124
+    try:
+        return "a number too large for a float" if entry == entry else "NaN"  # noqa: PLR0124
+    except Exception:  # a NaN that signals, say
+        return "NaN"
 
 
 def misunderstood(error: BaseException, x: FloatArray) -> str:
@@ -265,12 +269,16 @@ def misunderstood(error: BaseException, x: FloatArray) -> str:
     size, wrap = x.shape[-1], "uqfold.evaluation.per_sample"
     called = f"rows X (n, {size})" if x.ndim == 2 else f"one sample x ({size},)"
     first = "X[:, 0]" if x.ndim == 2 else "x[0]"
-    if isinstance(error, TypeError) and _OTHER_ARGUMENTS.search(str(error)) and _at_the_call(error):
+    if (
+        isinstance(error, TypeError)
+        and _OTHER_ARGUMENTS.search(said_by(error))
+        and _at_the_call(error)
+    ):
         return (
             f"{called} as the only argument, of which {first} is the first input: change it, or "
             f"wrap it: {wrap}(lambda x: model(*x))"
         )
-    by_name = isinstance(error, IndexError) and str(error).startswith(_NO_NAMES)
+    by_name = isinstance(error, IndexError) and said_by(error).startswith(_NO_NAMES)
     if isinstance(error, AttributeError):
         by_name = isinstance(error.obj, np.ndarray) and error.obj.shape == x.shape
     if not by_name:

@@ -11,7 +11,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, ClassVar
 
-from uqfold.checks import instance, refused
+from uqfold.checks import instance, raised, refused, shown
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.executors import Executor, FuturesRunner, Runner, limited
@@ -100,7 +100,8 @@ class _DaskRunner(FuturesRunner):
             pickled: Any = cloudpickle.dumps(model)
         except Exception as error:
             raise ExecutorError(
-                f"the model {model!r} cannot be sent to a cluster ({error}): make it a function "
+                f"the model {shown(model)} cannot be sent to a cluster "
+                f"({raised(error)}): make it a function "
                 "of what it needs, without open files, locks or connections"
             ) from error
         super().__init__(client.get_executor(pure=False), pickled, workers=1)
@@ -121,7 +122,7 @@ class _DaskRunner(FuturesRunner):
         if isinstance(error, _InterruptedRunError):
             raise KeyboardInterrupt
         raise ExecutorError(
-            f"the cluster gave no responses ({type(error).__name__}: {error}): uqfold, in this "
+            f"the cluster gave no responses ({raised(error)}): uqfold, in this "
             "version, and what the model imports have to be installed on its workers"
         ) from error
 

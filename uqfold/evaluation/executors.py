@@ -17,7 +17,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, ClassVar
 
-from uqfold.checks import instance, or_none, whole
+from uqfold.checks import instance, or_none, raised, shown, whole
 from uqfold.evaluation.batch import Caution, Outcome, run_batch
 from uqfold.evaluation.errors import ExecutorError
 from uqfold.evaluation.row_model import RowModel
@@ -217,8 +217,8 @@ class FuturesRunner(Runner):
 
     def _broken(self, error: BaseException) -> ExecutorError:
         return ExecutorError(
-            f"the {type(self._executor).__name__} gave no responses ({type(error).__name__}: "
-            f"{error}); uqfold.evaluation.Processes replaces workers that die"
+            f"the {type(self._executor).__name__} gave no responses ({raised(error)}); "
+            f"uqfold.evaluation.Processes replaces workers that die"
         )
 
 
@@ -253,7 +253,8 @@ def pickled(model: Model) -> bytes:
         return pickle.dumps(model)
     except Exception as error:
         raise ExecutorError(
-            f"the model {model!r} cannot be handed to another process ({error}): make it a "
+            f"the model {shown(model)} cannot be handed to another process "
+            f"({raised(error)}): make it a "
             "function at the top level of a module (no lambda, nothing defined inside a function), "
             "or a frozen dataclass with __call__"
         ) from error

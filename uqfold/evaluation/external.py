@@ -18,7 +18,20 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from uqfold.checks import choice, function, keep, or_none, path, real, refused, several, text, whole
+from uqfold.checks import (
+    choice,
+    function,
+    keep,
+    or_none,
+    path,
+    raised,
+    real,
+    refused,
+    said_by,
+    several,
+    text,
+    whole,
+)
 from uqfold.evaluation.errors import ExternalRunError
 from uqfold.evaluation.outputs import response
 from uqfold.evaluation.programs import Programs
@@ -139,7 +152,7 @@ class ExternalCode(RowModel):
         except Exception as error:
             failed = True
             told = isinstance(error, ExternalRunError)
-            reason = str(error) if told else f"{type(error).__name__}: {error}"
+            reason = said_by(error) if told else raised(error)
             if self.keep == "none":
                 raise ExternalRunError(reason) from error
             with replacing(folder / REASON) as stream:

@@ -253,6 +253,9 @@ class Store:
 
     def _failure(self, error: sqlite3.Error) -> StoreError:
         name = getattr(error, "sqlite_errorname", "")
+        changed = (
+            "another program has changed it: put back a copy of the file, or give another path"
+        )
         reason = {
             "SQLITE_NOTADB": "is not a store of uqfold, or a damaged one",
             "SQLITE_CORRUPT": "is damaged: put back a copy of the file, or give another path",
@@ -260,6 +263,8 @@ class Store:
             "SQLITE_IOERR": "cannot be read or written: check the disk, its quota and the network",
             "SQLITE_CANTOPEN": "cannot be opened or made: check the folder and its permissions",
             "SQLITE_READONLY": "is read-only: check its permissions",
+            "SQLITE_CONSTRAINT": f"takes no entries, {changed}",
+            "SQLITE_ERROR": f"has other tables, {changed}",
             "SQLITE_BUSY": f"is locked by another process since {BUSY_SECONDS:.0f} s",
         }
         told = next((text for start, text in reason.items() if name.startswith(start)), "failed")

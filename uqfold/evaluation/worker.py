@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, NoReturn
 
+from uqfold.checks import raised
 from uqfold.evaluation.batch import Caution, run_batch
 from uqfold.evaluation.guard import adopt_orphans, descendants, end_descendants
 from uqfold.typing import FloatArray
@@ -93,7 +94,7 @@ def _serve(line: Connection) -> None:
             line.send(("interrupt", None))
             return
         except Exception as error:
-            line.send(("unusable", f"{type(error).__name__}: {error}"))
+            line.send(("unusable", raised(error)))
             return
 
 

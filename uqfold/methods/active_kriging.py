@@ -33,7 +33,11 @@ from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import space_filling_design
-from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
+from uqfold.surrogates.gaussian_process import (
+    GaussianProcess,
+    checked_noise,
+    fit_gaussian_process,
+)
 from uqfold.surrogates.kernel_choice import KernelFits
 from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.learning import LearningFunction
@@ -126,7 +130,7 @@ class ActiveKriging(SequentialMethod):
         Runs of each step, which may be made in parallel.
     explore
         How many of them go where no run has been yet, whatever the surface says: they find
-        failure regions that it knows nothing of.
+        failure regions that it knows nothing of. None: one, and none where a batch is one run.
     learning
         ``variance``: the runs that reduce the posterior variance of the answers most. ``u`` and
         ``eff``: the classical functions U and EFF; they know levels only, so that rows with a
@@ -161,7 +165,7 @@ class ActiveKriging(SequentialMethod):
     runs: int | None = None
     initial: int | None = None
     batch: int = 6
-    explore: int = 1
+    explore: int | None = None
     learning: LearningFunction = "variance"
     kernel: KernelChoice = "best"
     noise: float | None = None
@@ -170,15 +174,19 @@ class ActiveKriging(SequentialMethod):
     target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
-        for name, least in {"batch": 1, "explore": 0, "controls": 2}.items():
+        for name, least in {"batch": 1, "controls": 2}.items():
             keep(self, name, whole, at_least=least)
         keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "initial", or_none, whole, at_least=2)
-        if self.explore >= self.batch and self.explore > 0:
-            raise refused("explore", self.explore, f"give less than batch = {self.batch}, or 0")
+        explore = min(1, self.batch - 1)
+        if self.explore is not None:
+            explore = whole("explore", self.explore, at_least=0)
+        if explore >= self.batch:
+            raise refused("explore", explore, f"give less than batch = {self.batch}")
+        object.__setattr__(self, "explore", explore)
         keep(self, "learning", choice, get_args(LearningFunction))
         keep(self, "kernel", choice, get_args(KernelChoice))
-        keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
+        keep(self, "noise", or_none, checked_noise)
         keep(self, "tolerance", real, above=0.0, below=1.0)
         keep(self, "target_cov", real, above=0.0)
 
@@ -312,7 +320,7 @@ class ActiveKriging(SequentialMethod):
         self, view: View, runs: DesignRuns, size: int, rng: np.random.Generator
     ) -> FloatArray:
         """Choose the runs (size, d) of the next step."""
-        explored = min(self.explore, size - 1)
+        explored = min(self.explore or 0, size - 1)
         u, candidates = view.candidates(rng)
         chosen = u[candidates.batch(self.learning, size - explored)]
         # fewer candidates than wanted leave room for exploration

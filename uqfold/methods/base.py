@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, final
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
-from uqfold.checks import instance, keep, or_none, several
+from uqfold.checks import instance, keep, or_none, raised, several
 from uqfold.evaluation import (
     BudgetExceededError,
     EngineError,
@@ -292,7 +292,7 @@ class ReliabilityMethod(ABC):
 
     def _failed(self, task: Task, error: Exception) -> Solution:
         """Turn an exception of the hook into a status, or raise it under the policy ``raise``."""
-        message = f"{type(error).__name__}: {error}"
+        message = raised(error)
         if isinstance(error, EngineError):
             raise error
         if isinstance(error, FailedRunError):
@@ -344,7 +344,7 @@ def attempt(answer: Callable[[], Estimate]) -> Estimate:
     except BudgetExceededError as error:
         return Estimate.without_answer("failed", f"out of budget before an answer: {error}")
     except Exception as error:
-        return Estimate.without_answer("failed", f"{type(error).__name__}: {error}")
+        return Estimate.without_answer("failed", raised(error))
 
 
 def checked_method(method: ReliabilityMethod | None) -> ReliabilityMethod | None:

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from uqfold.checks import several, whole
+from uqfold.checks import refused, several, whole
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
@@ -105,11 +105,14 @@ def checked_nodes(name: str, nodes: Any) -> Nodes:
     Raises
     ------
     ValueError, TypeError
-        If a count is not a whole number from 2 to 64; one node alone would say nothing about its
-        input.
+        If a count is not a whole number from 2 to 64, or there is none; one node alone would say
+        nothing about its input.
     """
     if isinstance(nodes, Sequence) and not isinstance(nodes, str | bytes | bytearray):
-        return several(name, nodes, whole, at_least=2, at_most=MAX_GAUSS_NODES)
+        counts = several(name, nodes, whole, at_least=2, at_most=MAX_GAUSS_NODES)
+        if not counts:
+            raise refused(name, nodes, "give a count for each input, or one for all of them")
+        return counts
     return whole(name, nodes, at_least=2, at_most=MAX_GAUSS_NODES)
 
 

@@ -19,7 +19,11 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import checked_spread
-from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
+from uqfold.surrogates.gaussian_process import (
+    GaussianProcess,
+    checked_noise,
+    fit_gaussian_process,
+)
 from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.system.surface_rule import MAX_POINTS
@@ -112,7 +116,7 @@ class Kriging(SequentialMethod):
         keep(self, "runs", or_none, whole, at_least=1)
         keep(self, "trend", choice, get_args(Trend))
         keep(self, "kernel", choice, get_args(KernelChoice))
-        keep(self, "noise", or_none, real, at_least=0.0, what="standard deviation")
+        keep(self, "noise", or_none, checked_noise)
         keep(self, "spread", checked_spread)
         keep(self, "target_cov", real, above=0.0)
 

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 
-from uqfold.checks import choice
+from uqfold.checks import choice, raised, shown
 from uqfold.methods.base import ReliabilityMethod
 
 ENTRY_POINT_GROUP = "uqfold.methods"
@@ -61,7 +61,17 @@ def named(argument: str, name: object) -> ReliabilityMethod:
         name = called
     if isinstance(name, str) and name in left_out and name not in methods:
         raise ValueError(f"the method {name!r} is not available: {left_out[name]}")
-    return methods[choice(argument, name, methods)]()
+    method = methods[choice(argument, name, methods)]
+    try:
+        return method()
+    except Exception as error:
+        if name in _BUILT_IN:
+            raise
+        made_in = method.__module__
+        raise ValueError(
+            f"{argument} = {shown(name)}: {method.__name__} of {made_in} raised {raised(error)}; "
+            f"update or remove the package that brings {made_in}"
+        ) from error
 
 
 @cache
@@ -74,6 +84,8 @@ def _found() -> tuple[dict[str, type[ReliabilityMethod]], dict[str, str]]:
         if not isinstance(loaded, str) and entry.name in methods:
             loaded = f"{entry.value} has the name of another method"
         if isinstance(loaded, str):
+            package = "its package" if entry.dist is None else f"the package {entry.dist.name}"
+            loaded = f"{loaded}. Update or remove {package}"
             left_out[entry.name] = loaded
             warnings.warn(f"the method {entry.name!r} is left out: {loaded}", stacklevel=4)
         else:
@@ -84,6 +96,8 @@ def _found() -> tuple[dict[str, type[ReliabilityMethod]], dict[str, str]]:
 def _loaded(entry: EntryPoint) -> type[ReliabilityMethod] | str:
     """Return the method of an entry point, or what is wrong with it."""
     try:
+        if entry.pattern.match(entry.value) is None:
+            return f"{entry.value} is not module:class"
         loaded = entry.load()
         if not (isinstance(loaded, type) and issubclass(loaded, ReliabilityMethod)):
             return f"{entry.value} is not a ReliabilityMethod"
@@ -93,7 +107,7 @@ def _loaded(entry: EntryPoint) -> type[ReliabilityMethod] | str:
         raise
     except BaseException as error:
         # other people's code may raise anything, sys.exit() included, and takes nobody down
-        return f"{entry.value} raised {type(error).__name__}: {error}"
+        return f"{entry.value} raised {raised(error)}"
     return loaded
 
 

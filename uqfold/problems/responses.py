@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from uqfold.checks import raised, said_by
 from uqfold.typing import FloatArray
 
 _NUMBERS = "iuf"
@@ -43,7 +44,9 @@ def numbers_in(returned: Any) -> FloatArray:
     except ResponseError:
         raise
     except (ValueError, TypeError) as error:
-        raise _refused(f"a {type(returned).__name__} that is not an array ({error})") from error
+        raise _refused(
+            f"a {type(returned).__name__} that is not an array ({said_by(error)})"
+        ) from error
     y = _as_floats(np.asarray(given))
     if isinstance(given, np.ma.MaskedArray):
         y = np.where(np.ma.getmaskarray(given), np.nan, y)
@@ -103,6 +106,8 @@ def _number(item: Any) -> float:
         number = float(item)
     except (OverflowError, ValueError):  # too large, or a NaN that signals
         return math.nan
+    except Exception as error:
+        raise _refused(f"a {type(item).__name__} ({raised(error)})") from error
     exact = not isinstance(item, float)
     return math.nan if exact and math.isinf(number) and not _is_infinite(item) else number
 

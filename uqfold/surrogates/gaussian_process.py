@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
+from uqfold.checks import or_none, real, refused
 from uqfold.surrogates.centring import centre_of
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.hermite import hermite_basis, total_degree_indices
@@ -40,6 +41,8 @@ from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
+LARGEST_NOISE = 1e100
+"""As a standard deviation, and in those of the responses: its square has to fit into a float."""
 # Rows handled at once: keeps the distance matrix in the processor's cache.
 _CHUNK = 2048
 # Hyperparameters are learned on at most so many points: the cost grows with the cube.
@@ -187,6 +190,11 @@ class SamplePaths:
 
 
 @one_blas_thread()
+def checked_noise(name: str, value: object) -> float:
+    """Return a standard deviation of noise; its square has to fit into a float."""
+    return real(name, value, at_least=0.0, at_most=LARGEST_NOISE, what="standard deviation")
+
+
 def fit_gaussian_process(
     u: FloatArray,
     y: FloatArray,
@@ -229,8 +237,7 @@ def fit_gaussian_process(
         raise ValueError(f"u has shape {u.shape}, y {y.shape}: expected (n, d) and (n,), n >= 2")
     if not (np.isfinite(u).all() and np.isfinite(y).all()):
         raise ValueError("u and y must be finite: leave out failed runs and infinite responses")
-    if noise is not None and not (math.isfinite(noise) and noise >= 0.0):
-        raise ValueError(f"noise = {noise}: give a standard deviation >= 0, or None to learn it")
+    noise = or_none("noise", noise, checked_noise)
     learned_on = _LEARNED_ON
     if u.shape[1] >= MANY_INPUTS and not isinstance(trend, int):
         learned_on = max(learned_on, 2 * trend.shape[0])
@@ -242,6 +249,9 @@ def fit_gaussian_process(
         # a constant response: nothing to learn
         nothing = Hyperparameters(np.full(u.shape[1], 3.0), 1e-300 + scale**2, 0.0)
         return GaussianProcess(u, y, kernel, indices[:1], nothing)
+    if noise is not None and noise / scale > LARGEST_NOISE:
+        remedy = f"give less; the responses have the standard deviation {scale:.3g}"
+        raise refused("noise", noise, remedy)
     rng = np.random.default_rng(0) if rng is None else rng
     if start is not None:
         starts = [start.hyperparameters.scaled(1.0 / scale)]
