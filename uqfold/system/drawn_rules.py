@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from uqfold.system.cross_rules import Rule
 from uqfold.system.directions import DirectionMixture
 from uqfold.system.places import Places
 from uqfold.system.sampled_rule import (
@@ -33,6 +34,8 @@ class DrawnRules:
     ----------
     shared_nodes, weights
         Nodes (K, d_shared) of the shared variables, and their weights (K,).
+    fewer
+        About half as many nodes and their weights, in order to tell the error of the others.
     axes
         Principal directions of the individual variables, in columns.
     directions
@@ -47,6 +50,7 @@ class DrawnRules:
 
     shared_nodes: FloatArray
     weights: FloatArray
+    fewer: Rule
     axes: FloatArray
     directions: DirectionMixture
     values: Values
@@ -57,6 +61,7 @@ class DrawnRules:
     def of(cls, surface: Surface, plan: SurfacePlan, asked: FloatArray) -> DrawnRules:
         """Find the directions of failure of a surface; the same surface gives the same ones."""
         nodes, weights = plan.shared_rule()
+        fewer = plan.shared_rule(weights.size // 2)
         rng = np.random.default_rng(0)
         some = min(weights.size, _SHARED_TRIED)
         few = nodes[rng.choice(weights.size, some, p=weights, replace=False)]
@@ -66,7 +71,7 @@ class DrawnRules:
 
         axes = plan.axes.individual
         directions = failure_directions(values, axes.shape[0], asked, rng)
-        return cls(nodes, weights, axes, directions, values, asked, rng)
+        return cls(nodes, weights, fewer, axes, directions, values, asked, rng)
 
     @cached_property
     def places(self) -> Places:

@@ -45,6 +45,8 @@ _TRIED, _FEWER, _CRITERIA_TRIED = 16, 4, 8
 _MOST_COARSE = 20_000
 # Error of a reliability index at which no more lines are drawn, nor more stations along them.
 _ENOUGH = 1e-3
+# Share of the points of quadrature that is compared with all of them.
+_FEWER_POINTS = 4
 # Joint errors from which lines and rays contradict each other.
 _AT_ODDS = 4.0
 # Share of what twice as many stations change that the finer ones leave: a sixteenth where the
@@ -158,9 +160,27 @@ class SurfaceSystem:
             Criterion(one.threshold, None, one.missions)
             for one in criteria[:: max(1, len(criteria) // _CRITERIA_TRIED)]
         ]
-        if rule.resolved and quadrature._agrees(surface, some, drawn, max_points):
-            return quadrature
-        return quadrature._sampled(surface, some, drawn, max_points)
+        if rule.resolved:
+            if quadrature._agrees(surface, some, drawn, max_points):
+                return quadrature
+            return quadrature._sampled(surface, some, drawn, max_points)[0]
+        sampled, error = quadrature._sampled(surface, some, drawn, max_points)
+        # what refinement could not settle over the whole distribution may be settled here
+        fewer = replace(quadrature, rule=plan.rule(max_points // _FEWER_POINTS, asked))
+        changed = quadrature._apart(fewer, surface, some)
+        apart = quadrature._apart(sampled, surface, some)
+        if changed < error and apart <= _AT_ODDS * (changed + error):
+            return replace(quadrature, rule=replace(rule, error=changed))
+        return sampled
+
+    def _apart(
+        self, other: SurfaceSystem, surface: Surface, criteria: Sequence[Criterion]
+    ) -> float:
+        """Largest distance of the reliability indices of two systems."""
+        one, two = (
+            reliability_indices(system.failures(surface, criteria)) for system in (self, other)
+        )
+        return float(np.abs(one - two).max())
 
     def _agrees(
         self,
@@ -195,11 +215,12 @@ class SurfaceSystem:
         criteria: Sequence[Criterion],
         drawn: DrawnRules,
         max_points: int,
-    ) -> SurfaceSystem:
-        """Draw lines or rays, whichever a trial finds to err less.
+    ) -> tuple[SurfaceSystem, float]:
+        """Draw lines or rays, whichever a trial finds to err less; and give the largest error.
 
         Where the answers of the two contradict each other, one of them has missed something that
-        its own scatter does not show: the distance counts as an error.
+        its own scatter does not show: the distance counts as an error. So does what half as many
+        shared nodes change.
         """
 
         def tried(most: int, stations: int, *, rays: bool) -> _Trial:
@@ -232,8 +253,12 @@ class SurfaceSystem:
             best = tried(most, stations, rays=by_rays)
         found = best.system
         step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
+        nodes, weights = drawn.fewer
+        fewer = replace(found, rule=replace(found.rule, shared_nodes=nodes, weights=weights))
+        error = math.hypot(error, found._apart(fewer, surface, criteria))
         rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
-        return replace(found, rule=rule, coarse=coarse)
+        largest = math.hypot(error, float(best.errors.max()))
+        return replace(found, rule=rule, coarse=coarse), largest
 
     def failures(
         self,

@@ -8,7 +8,7 @@ surface's gradient, as finely as each of them needs (`uqfold.system.refinement`)
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -161,27 +161,18 @@ class SurfacePlan:
     def levels(self, max_points: int) -> tuple[list[int], float]:
         """Rungs that `max_points` allow, and the error of a normal score that they leave."""
         needs = [*self.across, self.along]
-        levels = [need.level for need in needs]
-        while _size(levels) > max_points and any(levels):
-            losses = [
-                need.errors[level - 1] if level > 0 else math.inf
-                for need, level in zip(needs, levels, strict=True)
-            ]
-            levels[int(np.argmin(losses))] -= 1
+        levels = _cut(needs, _size, max_points)
         left = [need.errors[level] for need, level in zip(needs, levels, strict=True)]
         return levels, math.hypot(*left)
 
-    def shared_rule(self) -> Rule:
-        """Nodes (K, d_shared) and weights of the shared variables, at most `MOST_SHARED`."""
-        levels = self._few_shared()
+    def shared_rule(self, most: int = MOST_SHARED) -> Rule:
+        """Nodes (K, d_shared) and weights of the shared variables, at most so many."""
+        levels = self._few_shared(most)
         nodes, weights = product_rule([ladder_rule(level) for level in levels])
         return nodes @ self.axes.shared.T, weights
 
-    def _few_shared(self) -> list[int]:
-        levels = [need.level for need in self.across[: self.axes.shared.shape[0]]]
-        while _nodes(levels) > MOST_SHARED:
-            levels[int(np.argmax(levels))] -= 1
-        return levels
+    def _few_shared(self, most: int = MOST_SHARED) -> list[int]:
+        return _cut(self.across[: self.axes.shared.shape[0]], _nodes, most)
 
     def coarse_rule(self, asked: FloatArray | None = None) -> SurfaceRule:
         """Lay out few points: enough to see how the answer moves when the surface does."""
@@ -272,6 +263,18 @@ def joined(shared: FloatArray, individual: FloatArray) -> FloatArray:
     """All points (K n, d): each of n individual parts at each of K shared ones."""
     outer = np.repeat(shared, individual.shape[0], axis=0)
     return np.hstack([outer, np.tile(individual, (shared.shape[0], 1))])
+
+
+def _cut(needs: Sequence[Need], size: Callable[[Sequence[int]], int], most: int) -> list[int]:
+    """Rungs of all needs, what loses least coarsened again and again until the size is allowed."""
+    levels = [need.level for need in needs]
+    while size(levels) > most and any(levels):
+        losses = [
+            need.errors[level - 1] if level > 0 else math.inf
+            for need, level in zip(needs, levels, strict=True)
+        ]
+        levels[int(np.argmin(losses))] -= 1
+    return levels
 
 
 def _nodes(levels: Sequence[int]) -> int:
