@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,8 @@ from uqfold.typing import FloatArray, Model
 
 GIVE_UP_AFTER = 64
 """A model whose first runs all fail is given up after this many."""
+HAND_OVER_SECONDS = 0.05
+"""So long samples are run one after the other before their responses are handed over."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,8 @@ class Outcome:
     Attributes
     ----------
     y
-        Responses (n,); NaN marks a failed run.
+        Responses (n,); NaN marks a failed run. Of a `RowModel` those of the first samples, as many
+        as have been run when it is time to hand them over; the others are still to be run.
     reason
         What the first failed run looked like; empty if none failed.
     seconds
@@ -83,7 +87,7 @@ class Outcome:
 
     @classmethod
     def lost(cls, *, reason: str = "", died: str = "") -> Outcome:
-        """Return what there is of a batch whose worker has ended, or was ended: NaN, for any n."""
+        """Return what there is of a row whose worker has ended, or was ended: NaN."""
         return cls(np.array(np.nan), reason, 0.0, in_doubt=True, died=died)
 
 
@@ -108,7 +112,8 @@ def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:
     with time_checked_by(None):
         try:
             if isinstance(model, RowModel):
-                y = np.array([_sample(model, row, reasons) for row in x], dtype=np.float64)
+                last = started + HAND_OVER_SECONDS
+                y = np.array(list(_samples(model, x, reasons, last)), dtype=np.float64)
             else:
                 y = _halved(calls, x, caution.may_give_up)
         except UnusableError as error:
@@ -116,6 +121,14 @@ def run_batch(model: Model, x: FloatArray, caution: Caution) -> Outcome:
     seconds = time.perf_counter() - started
     reason = reasons[0] if reasons else ""
     return Outcome(y, reason, seconds, calls.in_doubt, calls.compare_from, unusable)
+
+
+def _samples(model: RowModel, x: FloatArray, reasons: list[str], last: float) -> Iterator[float]:
+    """Run the model on the samples X (n, d) until it is `last`, at least on one."""
+    for row in x:
+        yield _sample(model, row, reasons)
+        if time.perf_counter() >= last:
+            break
 
 
 def _sample(model: RowModel, x: FloatArray, reasons: list[str]) -> float:

@@ -41,7 +41,7 @@ class Evaluator:
     batch_rows
         Rows handed to the model, or to a worker, at once, at most, and lost when the program is
         killed. None: 1 for a model of one sample at a time, else 4096 in this process, 16 to 256
-        in workers. Without an executor a model of one sample always has 1.
+        in workers. A model of one sample hands over what it has at least every 50 ms.
         Under a limit on time fewer, so that a batch takes a small part of what is left.
     progress
         Called with (runs so far, runs expected or None) after every batch.
@@ -135,8 +135,9 @@ class Evaluator:
         row_by_row = isinstance(model, RowModel)
 
         def most_rows(n: int) -> int:
-            # a model of one sample gains nothing from batches that no worker is sent
-            if self.seconds_per_run is not None or (row_by_row and self.executor is None):
+            # threads of the model's own share the rows, however many a batch may have
+            own_threads = self.executor is None and isinstance(executor, Futures)
+            if self.seconds_per_run is not None or own_threads:
                 return 1
             if self.batch_rows is not None:
                 return self.batch_rows

@@ -248,11 +248,12 @@ class Pipeline:
             raise ModelError(outcome.unusable)
         if outcome.died and self._run_again(call):
             return
-        batch, rows = call.batch, call.rows
+        batch, rows = call.batch, call.rows[: outcome.y.size]
+        rest = call.rows[outcome.y.size :]
         batch.y[rows] = outcome.y
         died = f"{outcome.died} at x = {shown(batch.x[rows[0]])}" if outcome.died else ""
         batch.reason = batch.reason or outcome.reason or died
-        batch.done = call.later.size == 0
+        batch.done = rest.size == call.later.size == 0
         self._any_good = self._any_good or not np.isnan(outcome.y).all()
         self._compare_from = max(self._compare_from, outcome.compare_from)
         self._size.took(rows.size, outcome.seconds)
@@ -267,7 +268,8 @@ class Pipeline:
             self._shelf.keep(batch.x, batch.y, rows, outcome.seconds, hold=hold)
         if not batch.done:
             check()
-            self._submit(_Call(batch, call.later[:1], call.later[1:]))
+            following = (rest, call.later) if rest.size else (call.later[:1], call.later[1:])
+            self._submit(_Call(batch, *following))
 
     def _run_again(self, call: _Call) -> bool:
         """Run rows again over which a worker has died; False if one row alone still does that."""
