@@ -22,6 +22,7 @@ from uqfold.methods import (
 )
 from uqfold.problems import Problem
 from uqfold.problems.criterion import criteria
+from uqfold.surrogates.gaussian_process import fit_gaussian_process
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.time_limit import check_time, time_checked_by
 from uqfold.typing import FloatArray
@@ -131,6 +132,24 @@ def test_no_criterion_is_begun_after_the_limit(
     assert result.n_evals == 40
     assert 1 <= len(begun) <= 3
     assert len({row.status for row in result}) > 1
+
+
+def test_kriging_fits_one_surface_when_the_time_is_over(
+    slow: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The time for summing up goes to the answer, not to choosing among four surfaces."""
+    fits = []
+
+    def counted(*words: Any, **options: Any) -> Any:
+        fits.append(options["trend"])
+        return fit_gaussian_process(*words, **options)
+
+    monkeypatch.setattr("uqfold.methods.kriging.fit_gaussian_process", counted)
+    row = Kriging().estimate(criteria=criteria(11.0), **slow(40.0))[0]
+    assert len(fits) == 1
+    assert row.status == "budget_exhausted"
+    assert "1 of 4 surfaces fitted; the wall-clock limit of 40 s is over" in row.message
+    assert row.ci_low <= SYSTEM.pf(criteria(11.0)[0]) <= row.ci_high
 
 
 def test_form_names_the_limit_that_cut_its_search(slow: Callable[..., Any]) -> None:

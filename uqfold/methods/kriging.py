@@ -159,12 +159,17 @@ class Kriging(SequentialMethod):
     ) -> tuple[list[GaussianProcess], str]:
         """Processes with the trends and kernels that are tried, the best one first.
 
-        When the time is over, those that are there, and why there are no more.
+        When the time is over, the quickest alone, and why there are no more.
         """
         u, y = runs.u[runs.finite], runs.y[runs.finite]
         names = ("quadratic", "pce") if self.trend == "best" else (self.trend,)
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
+        planned = len(names) * len(kernels)
+        if stopped := stopped or runs.stopped:
+            names, kernels = names[:1], kernels[:1]
+            if planned > 1:
+                stopped = f"1 of {planned} surfaces fitted; {stopped}"
         found: list[tuple[float, GaussianProcess]] = []
         try:
             for name in names:
@@ -182,6 +187,6 @@ class Kriging(SequentialMethod):
         except TimeLimitError as error:
             if not found:
                 raise
-            stopped = f"{len(found)} of {len(names) * len(kernels)} surfaces fitted; {error}"
+            stopped = f"{len(found)} of {planned} surfaces fitted; {error}"
         found.sort(key=lambda pair: pair[0], reverse=True)
         return [fit for _, fit in found], stopped
