@@ -274,8 +274,13 @@ def mapping(
 
 
 def names(name: str, value: object) -> tuple[str, ...]:
-    """Return the names of a list, each of them text and none of them twice."""
+    """Return the names of a list: printable text, none of them twice, and no blanks around."""
     given = several(name, value, text)
+    for one in given:
+        if not one.isprintable():
+            raise refused(name, given, f"name without line breaks and control signs, not {one!r}")
+        if one != one.strip():
+            raise refused(name, given, f"name without blanks at the ends, not {one!r}")
     twice = next((one for i, one in enumerate(given) if one in given[:i]), None)
     if twice is not None:
         raise refused(name, given, f"name each once, not {twice!r} twice")

@@ -113,7 +113,7 @@ def test_any_truncated_tail_is_computed_from_its_own_tail() -> None:
         ot.Uniform(1e9, 1e9 + 1e-5),
         ot.CompositeDistribution(ot.SymbolicFunction("x", "x^2"), ot.Normal()),
         ot.TruncatedNormal(0, 1, -1, 2),
-        chaospy.Trunc(chaospy.Normal(0, 1), -1, 2),
+        chaospy.Triangle(-1, 0, 2),
         stats.levy(),
         stats.johnsonsu(2.55, 2.25),
         stats.genextreme(-0.3),
@@ -264,3 +264,40 @@ def test_a_tail_that_openturns_gets_wrong_inside_another_distribution_is_refused
     ):
         with pytest.raises(ValueError, match="input 'x' = "):
             product_inputs(None, {"x": hidden})
+
+
+def of_density(density: float, *, bounded: bool) -> Any:
+    """A SciPy law whose density is so many times that of a uniform or normal one."""
+
+    class Scaled(stats.rv_continuous):
+        def _pdf(self, x: Any) -> Any:
+            return density * (np.ones_like(x) if bounded else np.exp(-0.5 * x**2) / 2.5066282746)
+
+    return (Scaled(a=0.0, b=1.0, name="own") if bounded else Scaled(name="own"))()
+
+
+@pytest.mark.parametrize(
+    ("density", "bounded"), [(0.5, True), (0.999, True), (1.001, True), (0.5, False), (2.0, False)]
+)
+def test_a_density_that_does_not_integrate_to_one_is_refused(density: float, bounded: bool) -> None:
+    """A law whose probabilities pass one, or end below it, draws something else than it says."""
+    with pytest.raises(ValueError, match=r"input 'load'.*scipy.stats.own\(\)"):
+        product_inputs(None, {"load": of_density(density, bounded=bounded)})
+    assert product_inputs(None, of_density(1.0, bounded=True)).dimension == 1
+
+
+@pytest.mark.parametrize("law", [stats.norminvgauss(2, 1), stats.levy_stable(1.5, 0.5)], ids=_name)
+def test_a_law_that_scipy_fails_on_is_named_with_a_remedy(law: Any) -> None:
+    with pytest.raises(ValueError, match=rf"input 'load': scipy.stats.{law.dist.name}\(") as caught:
+        Problem(lambda x: x[:, 0], individual={"load": law})
+    assert "give another family, or openturns.KernelSmoothing().build(sample)" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["a ", " a", "a\nb", "a\tb", "a\x07", "a\u2028b"])
+def test_names_with_blanks_around_or_control_signs_are_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=r"names of inputs = .*: name without"):
+        product_inputs(None, {"a": stats.norm(0, 1), name: stats.norm(0, 1)})
+    described = ot.Normal(2)
+    described.setDescription(["a", name])
+    with pytest.raises(ValueError, match=r"names of inputs = .*: name without"):
+        joint_inputs(described)

@@ -48,9 +48,11 @@ class Counting:
 
     def __init__(self, law: Any) -> None:
         self.law, self.calls = law, 0
+        self.asked: list[int] = []
 
     def __call__(self, q: Any) -> Any:
         self.calls += 1
+        self.asked.append(np.size(q))
         return self.law(q)
 
 
@@ -131,3 +133,51 @@ def test_drawing_from_other_threads() -> None:
         thread.join()
     assert len(found) == 4
     assert len(set(found)) == 1
+
+
+SOLVED = [
+    stats.vonmises(2, 1, 3),
+    stats.genhyperbolic(0.5, 1.5, -0.5),
+    stats.geninvgauss(2.3, 1.5),
+    stats.argus(1.0),
+]
+
+
+@pytest.mark.parametrize("law", SOLVED, ids=lambda law: law.dist.name)
+def test_laws_without_quantiles_are_tabulated_once(law: Any) -> None:
+    """SciPy solves for each of their quantiles, a millisecond each: few are asked for."""
+    inputs = product_inputs(None, {"x": law})
+    original = inputs.columns[0].law  # type: ignore[attr-defined]
+    lower, upper = Counting(original.ppf), Counting(original.isf)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(original, "ppf", lower)
+        patch.setattr(original, "isf", upper)
+        x = inputs.sample(np.random.default_rng(0), 20_000)
+        assert sum(lower.asked + upper.asked) == 0
+        # the tails are the law's own
+        far = inputs.from_standard_normal(np.array([[-7.0], [7.0]]))[:, 0]
+        assert sum(lower.asked + upper.asked) == 2
+    np.testing.assert_allclose(far, [law.ppf(ndtr(-7.0)), law.isf(ndtr(-7.0))], rtol=1e-9)
+    assert stats.kstest(x[:200, 0], law.cdf).pvalue > 1e-4
+    u = np.linspace(-5.01, 5.01, 23)  # further out SciPy's own solution is rough
+    found = inputs.from_standard_normal(u[:, None])[:, 0]
+    right = np.where(u < 0, law.ppf(ndtr(u)), law.isf(ndtr(-u)))
+    np.testing.assert_allclose(found, right, rtol=0, atol=1e-6 * law.std())
+    assert (np.diff(found) > 0).all()
+
+
+def test_what_no_table_can_follow_stays_exact() -> None:
+    """Two humps with nothing between: interpolation would fill the gap."""
+
+    class Humps(stats.rv_continuous):
+        def _pdf(self, x: Any) -> Any:
+            return np.where((x < 1.0) | (x > 2.0), 0.5, 0.0)
+
+        def _cdf(self, x: Any) -> Any:
+            return 0.5 * (np.minimum(x, 1.0) + np.maximum(x - 2.0, 0.0))
+
+    marginal = product_inputs(None, {"x": Humps(a=0.0, b=3.0, name="humps")()}).columns[0]
+    u = np.array([-0.003, -0.001, 0.001, 0.003])
+    x = marginal.from_normal(u)
+    assert ((x < 1.0) | (x > 2.0)).all()
+    np.testing.assert_allclose(marginal.cdf(x), ndtr(u), atol=1e-12)

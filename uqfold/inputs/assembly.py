@@ -106,6 +106,7 @@ def _distribution(name: str, given: Any) -> Any:
 
 def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:
     """Let the inputs in, one by one and then what depends on each other."""
+    names = checked_names("names of inputs", names)
     columns = tuple(
         checked_marginal(marginal, name)
         for marginal, name in zip(parts.marginals, names, strict=True)

@@ -141,7 +141,13 @@ def _from_scipy(frozen: Any) -> Any:
             candidate = None
         if candidate is not None and _agrees(candidate, frozen.ppf, frozen.cdf):
             return candidate
-    return ot.Distribution(ot.SciPyDistribution(frozen))
+    try:
+        return ot.Distribution(ot.SciPyDistribution(frozen))
+    except (TypeError, ValueError, RuntimeError, ArithmeticError) as error:
+        raise ValueError(
+            f"{scipy_name(frozen)} cannot be used: SciPy or OpenTURNS fails on it ({error}); give "
+            "another family, or openturns.KernelSmoothing().build(sample) of a large sample of it"
+        ) from error
 
 
 _SCIPY_REMEDIES = {

@@ -7,13 +7,14 @@ OpenTURNS' distribution function; what we have no form of, or none that passes, 
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from uqfold.inputs.laws import closed_form
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
-from uqfold.inputs.wrapped import wrapped
+from uqfold.inputs.wrapped import WrappedMarginal, wrapped
 
 _LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0])
 """Where the way back is tried on both sides: to probabilities of 1e-9."""
@@ -24,6 +25,12 @@ _NUMERICAL = (1e-3, 1e-9)
 """Relative and absolute error of a probability on the way back, the latter also of a quantile as a
 share of the spread: for a form of ours, and the most that is let in."""
 _TINY = 2.3e-308
+_WITHIN = 1e-9
+"""How near a bound probabilities must have come to their end: share of its distance from the
+outermost quantile."""
+_AT_AN_END = (1e5, 1e-7)
+"""What may be missing there: so many times density times distance (where the density is infinite
+at the bound there is more than one), and the error of a numerical integral."""
 
 
 def checked_marginal(distribution: Any, name: str) -> Marginal:
@@ -46,6 +53,8 @@ def checked_marginal(distribution: Any, name: str) -> Marginal:
         return own
     other = wrapped(distribution) or OpenTURNSMarginal(distribution)
     fault = _fault(other, _NUMERICAL)
+    if fault is None and isinstance(other, WrappedMarginal):
+        fault = _fault_at_a_bound(other)
     if fault is None:
         return other
     raise ValueError(
@@ -106,6 +115,29 @@ def _found_fault(marginal: Marginal, relative: float, absolute: float) -> str | 
     whole = marginal.cdf(x) + marginal.sf(x)
     if not np.abs(whole - 1.0).max() <= relative + 1e-9:
         return f"its lower and upper probabilities add up to {whole[np.argmax(abs(whole - 1.0))]:g}"
+    return None
+
+
+def _fault_at_a_bound(marginal: Marginal) -> str | None:
+    """Say where the distribution function does not end at zero and one, or None.
+
+    At an infinite bound, only whether it passes them: integrals so far out miss what is near.
+    """
+    ends = marginal.from_normal(np.array([-_FURTHEST, _FURTHEST]))
+    reach = float(np.ptp(ends))
+    tails = (marginal.cdf, marginal.sf)
+    for bound, end, sign, tail in zip(marginal.bounds, ends, (-1.0, 1.0), tails, strict=True):
+        open_end = math.isinf(bound)
+        step = max(_WITHIN * abs(bound - end), float(_slack(bound)))
+        at = np.array([end + sign * reach if open_end else bound - sign * step])
+        with np.errstate(all="ignore"):
+            rest, density = float(tail(at)[0]), float(marginal.pdf(at)[0])
+        many, absolute = _AT_AN_END
+        missing = not open_end and rest > absolute + many * density * step
+        if missing or rest < -absolute:
+            total = rest if sign < 0.0 else 1.0 - rest
+            right = "0" if sign < 0.0 else "1"
+            return f"its distribution function comes to {total:.6g} at {at[0]:g}, not to {right}"
     return None
 
 

@@ -1,7 +1,8 @@
 """Distributions of SciPy and chaospy that OpenTURNS only wraps, asked directly.
 
 All rows are computed at once. The upper half goes through the survival function, so that a tail
-keeps its digits.
+keeps its digits. Where SciPy has no quantile function and would solve for every row, the quantiles
+come from a table.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -18,7 +19,11 @@ from uqfold.inputs.behind import python_object
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.marginal import Marginal, beyond
 from uqfold.inputs.moments import checked_moments, with_moments
+from uqfold.inputs.quantile_table import REACH, quantile_table
 from uqfold.typing import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 _LAST = 2.0**-53
 """Where a library forms 1 - p, its upper tail ends here."""
@@ -64,14 +69,30 @@ class WrappedMarginal(Marginal):
         What reports call it.
     moved
         (mean, std) -> the same kind with these moments, in OpenTURNS form.
+    solved
+        Whether the library solves for quantiles one by one, which takes about a millisecond each.
     """
 
     law: Law
     name: str
     moved: Callable[[float, float], Any]
+    solved: bool = False
 
     def from_normal(self, u: FloatArray) -> FloatArray:
         """See `Marginal`."""
+        if self._table is None:
+            return self._exact(u)
+        far = np.abs(u) > REACH
+        x = np.asarray(np.clip(self._table(u), *self.bounds))
+        x[far] = self._exact(u[far])
+        return x
+
+    @cached_property
+    def _table(self) -> CubicHermiteSpline | None:
+        return quantile_table(self, self._exact) if self.solved else None
+
+    def _exact(self, u: FloatArray) -> FloatArray:
+        """Quantiles (n,) at standard-normal values u, as the library computes them."""
         from scipy.special import ndtr
 
         x = np.empty(u.shape)
@@ -131,7 +152,11 @@ def wrapped(distribution: Any) -> WrappedMarginal | None:
     if isinstance(behind, ot.SciPyDistribution):
         frozen = behind._dist
         return WrappedMarginal(
-            distribution, frozen, scipy_name(frozen), partial(_moved_scipy, frozen)
+            distribution,
+            _on_a_line(frozen),
+            scipy_name(frozen),
+            partial(_moved_scipy, frozen),
+            solved=_without_quantiles(frozen),
         )
     if isinstance(behind, ot.ChaospyDistribution):
         original = behind._dist
@@ -192,6 +217,25 @@ def scipy_name(frozen: Any) -> str:
     given = [f"{value:.12g}" for value in frozen.args]
     given += [f"{name}={value:.12g}" for name, value in frozen.kwds.items()]
     return f"scipy.stats.{frozen.dist.name}({', '.join(given)})"
+
+
+def _on_a_line(frozen: Any) -> Any:
+    """Return a frozen SciPy distribution, a circular one between its ends.
+
+    SciPy's own counts the turns: its distribution function goes beyond zero and one.
+    """
+    from scipy.stats import vonmises_line
+
+    if frozen.dist.name == "vonmises":
+        return vonmises_line(*frozen.args, **frozen.kwds)
+    return frozen
+
+
+def _without_quantiles(frozen: Any) -> bool:
+    """Return whether a frozen SciPy distribution has no quantile function of its own."""
+    from scipy.stats import rv_continuous
+
+    return type(frozen.dist)._ppf is rv_continuous._ppf
 
 
 def _moved_scipy(frozen: Any, mean: float, std: float) -> Any:

@@ -162,6 +162,7 @@ class Kriging(SequentialMethod):
         When the time is over, the quickest alone, and why there are no more.
         """
         u, y = runs.u[runs.finite], runs.y[runs.finite]
+        names: tuple[Trend, ...]
         names = ("quadratic", "pce") if self.trend == "best" else (self.trend,)
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
