@@ -583,6 +583,18 @@ class Unready:
         raise RuntimeError("not \x1b yet")
 
 
+class Unpacked:
+    def __array__(self, *args: Any, **kwargs: Any) -> np.ndarray:
+        raise RuntimeError("\x1b[2J" * 1000)
+
+
+def test_an_object_that_is_no_array_after_all_is_no_response() -> None:
+    with pytest.raises(ModelError, match="a Unpacked that is not an array") as caught:
+        opened(lambda x: Unpacked()).evaluate(SOME)
+    assert len(str(caught.value)) < 900
+    assert str(caught.value).isprintable()
+
+
 def test_an_object_that_is_no_float_after_all_is_no_response() -> None:
     with pytest.raises(ModelError, match=r"a Unready \(RuntimeError: not \ufffd yet\)"):
         opened(lambda x: [Unready() for _ in x]).evaluate(SOME)

@@ -121,7 +121,7 @@ class Calls:
             # the model gets its own copy: what it does to its argument must not reach the method
             return self.model(x.copy())
         except ResponseError as error:
-            raise UnusableError(f"the model gives no responses: {error}") from error
+            raise UnusableError(f"the model gives no responses: {said_by(error)}") from error
         except BaseException as error:
             if not is_failed_run(error):
                 raise
@@ -137,7 +137,7 @@ class Calls:
         try:
             y = numbers_in(returned)
         except ResponseError as error:
-            raise UnusableError(f"the model gives no responses: {error}") from error
+            raise UnusableError(f"the model gives no responses: {said_by(error)}") from error
         n = x.shape[0]
         if y.shape in {(n,), (n, 1)}:
             self._note_failures(returned, y, x)
@@ -253,7 +253,7 @@ def failure_in(entry: Any) -> str:
     if isinstance(entry, complex | np.complexfloating) and entry.imag != 0.0:
         return "a complex number"
     if entry is None or type(entry).__name__ == "NAType":
-        return str(entry)
+        return "None" if entry is None else "<NA>"
     try:
         return "a number too large for a float" if entry == entry else "NaN"  # noqa: PLR0124
     except Exception:  # a NaN that signals, say

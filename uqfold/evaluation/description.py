@@ -130,7 +130,8 @@ def captured(function: types.FunctionType, where: str = "model") -> list[Any]:
     """Return what tells a function from others of its name.
 
     These are its defaults, closure and attributes, and the code of a lambda or of a function that
-    is defined inside another. What it reads from elsewhere (global variables, files) is not seen.
+    is defined inside another or compiled from text. What it reads from elsewhere (global
+    variables, files) is not seen.
 
     Raises
     ------

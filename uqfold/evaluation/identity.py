@@ -19,9 +19,10 @@ def model_identity(problem: Problem) -> bytes | None:
     It covers the problem's name and version, the names of the inputs in column order, and what the
     model holds. Which function it is, name and version of the problem say; what a function reads
     from elsewhere (global variables, files) nobody sees: that is what the version is for. Seen are
-    its defaults and attributes, the variables that it captured, and the code of a lambda or of a
-    function defined inside another; the fields of a frozen dataclass and what else it holds, and
-    what `functools.partial` or a bound method binds.
+    its defaults and attributes, the variables that it captured, and the code of a lambda, of a
+    function defined inside another or of one compiled from text; the fields of a frozen dataclass
+    and what else it holds, what `functools.partial` or a bound method binds, and what a class made
+    while the program runs has of its own.
 
     Returns
     -------

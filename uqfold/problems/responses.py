@@ -43,7 +43,7 @@ def numbers_in(returned: Any) -> FloatArray:
         given = np.asanyarray(_listed(returned))
     except ResponseError:
         raise
-    except (ValueError, TypeError) as error:
+    except Exception as error:  # an object makes an array of itself as it likes
         raise _refused(
             f"a {type(returned).__name__} that is not an array ({said_by(error)})"
         ) from error
