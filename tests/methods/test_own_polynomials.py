@@ -27,8 +27,8 @@ def sum_of_exponentials(count: int, pf: float):
         (*sum_of_exponentials(5, 1e-5), 1e-5),
         (
             lambda x: x.sum(axis=1) - 0.05,
-            {f"x{i}": ot.Uniform(0.0, 1.0) for i in range(3)},
-            0.05**3 / 6.0,
+            {f"x{i}": ot.Uniform(0.0, 1.0) for i in range(2)},
+            0.05**2 / 2.0,
         ),
         (
             lambda x: x.sum(axis=1) - 0.2,

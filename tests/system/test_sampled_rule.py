@@ -15,6 +15,7 @@ from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.typing import FloatArray
 
 WANTED = np.array([1e-2, 1e-4, 1e-9])
+FEW_POINTS = 100_000
 
 
 def square(u: FloatArray) -> FloatArray:
@@ -70,12 +71,12 @@ def test_what_bends_in_many_directions_is_told_by_lines_at_adapted_places(d: int
     """The sum of exponentials: at places drawn as the inputs are, errors are ten times as large."""
     wanted = np.array([1e-2, 1e-7])
     asked = criteria(gamma.isf(wanted, d).tolist())
-    system = SurfaceSystem.of(exponentials, d, 0, 1, asked)
+    system = SurfaceSystem.of(exponentials, d, 0, 1, asked, FEW_POINTS)
     responses = system.responses(exponentials)
     index = reliability_indices(system.failures_given(responses, asked))
     error = system.integration_errors(responses, asked)
     assert (error > 2e-4).all()
-    assert (error < 0.01).all()
+    assert (error < 0.02).all()
     assert (np.abs(index + ndtri(wanted)) <= 4.0 * error).all()
 
 
@@ -117,7 +118,7 @@ def test_lines_and_rays_that_contradict_each_other_are_an_error(
 
     monkeypatch.setattr(drawn_rules, "places_of_failure", off)
     asked = criteria(gamma.isf([1e-5], 8).tolist())
-    drawn = SurfaceSystem.of(exponentials, 8, 0, 1, asked)
+    drawn = SurfaceSystem.of(exponentials, 8, 0, 1, asked, FEW_POINTS)
     responses = drawn.responses(exponentials)
     [found] = drawn.failures_given(responses, asked)
     gap = abs(reliability_indices([found])[0] + ndtri(1e-5))

@@ -192,28 +192,28 @@ def test_many_responses_that_share_a_strong_cause(shared: float) -> None:
         assert abs(ndtri(one.pf) - ndtri(exact)) < 1e-6
 
 
-@pytest.mark.parametrize("unused", [0, 2])
-def test_units_that_share_a_steep_input_are_told_within_the_stated_error(unused: int) -> None:
+def test_units_that_share_a_steep_input_are_told_within_the_stated_error() -> None:
     """Few shared nodes or few lines drawn were 20 % off, at a stated error of 2 to 8 %.
 
-    Of a Gumbel input a that units share, and uniform c and b of their own: a c / 10 - b.
+    Of a Gumbel input a that units share, and uniform c and b of their own: a c / 10 - b. Two more
+    inputs are shared, without any influence.
     """
 
     def surface(u: FloatArray) -> FloatArray:
         a = 8.0 - np.log(-np.log1p(-ndtr(-u[:, 0])))
-        b, c = 1.0 + 2.0 * ndtr(u[:, unused + 1]), 8.0 + 4.0 * ndtr(u[:, unused + 2])
+        b, c = 1.0 + 2.0 * ndtr(u[:, 3]), 8.0 + 4.0 * ndtr(u[:, 4])
         return np.asarray(a * c / 10.0 - b)
 
     x, w = np.polynomial.legendre.leggauss(400)
     a, of_a = 18.0 + 13.0 * x, 13.0 * w
     of_a = of_a * np.exp(-(a - 8.0) - np.exp(-(a - 8.0)))
     b = 2.0 + x
-    limits = np.array([8.0, 10.0, 12.0])
+    limits = np.array([10.0])
     cells = np.clip((12.0 - 10.0 * (limits[:, None, None] + b) / a[:, None]) / 4.0, 0.0, 1.0)
     alone = cells @ (0.5 * w)
     exact = (1.0 - (1.0 - alone) ** 4) @ of_a
     asked = criteria(limits.tolist())
-    system = SurfaceSystem.of(surface, 3 + unused, 1 + unused, 4, asked)
+    system = SurfaceSystem.of(surface, 5, 3, 4, asked)
     responses = system.responses(surface)
     index = reliability_indices(system.failures_given(responses, asked))
     error = system.integration_errors(responses, asked)
