@@ -47,6 +47,8 @@ _MOST_COARSE = 20_000
 _ENOUGH = 1e-3
 # Share of the points of quadrature that is compared with all of them.
 _FEWER_POINTS = 4
+# Error of lines drawn at random up to which quadrature is not looked at again.
+_WELL_KNOWN = 3e-3
 # Joint errors from which lines and rays contradict each other.
 _AT_ODDS = 4.0
 # Share of what twice as many stations change that the finer ones leave: a sixteenth where the
@@ -165,6 +167,8 @@ class SurfaceSystem:
                 return quadrature
             return quadrature._sampled(surface, some, drawn, max_points)[0]
         sampled, error = quadrature._sampled(surface, some, drawn, max_points)
+        if error <= _WELL_KNOWN:
+            return sampled
         # what refinement could not settle over the whole distribution may be settled here
         fewer = replace(quadrature, rule=plan.rule(max_points // _FEWER_POINTS, asked))
         changed = quadrature._apart(fewer, surface, some)
@@ -178,7 +182,12 @@ class SurfaceSystem:
     ) -> float:
         """Largest distance of the reliability indices of two systems."""
         one, two = (
-            reliability_indices(system.failures(surface, criteria)) for system in (self, other)
+            reliability_indices(
+                system._answer(
+                    system.rule, system.rule.responses(surface(system.rule.points)), criteria
+                )
+            )
+            for system in (self, other)
         )
         return float(np.abs(one - two).max())
 
@@ -254,8 +263,9 @@ class SurfaceSystem:
         found = best.system
         step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
         nodes, weights = drawn.fewer
-        fewer = replace(found, rule=replace(found.rule, shared_nodes=nodes, weights=weights))
-        error = math.hypot(error, found._apart(fewer, surface, criteria))
+        if weights.size < drawn.weights.size:
+            fewer = replace(found, rule=replace(found.rule, shared_nodes=nodes, weights=weights))
+            error = math.hypot(error, found._apart(fewer, surface, criteria))
         rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
         largest = math.hypot(error, float(best.errors.max()))
         return replace(found, rule=rule, coarse=coarse), largest
