@@ -351,7 +351,8 @@ def test_a_feature_sharper_than_the_surface_can_follow_is_doubted() -> None:
     )
     row = ActiveKriging().estimate(problem, rng=0)[0]
     assert row.status == "doubtful" or abs(row.pf - 4.4643e-4) <= 3.0 * row.std_error
-    assert row.ci_low <= 4.4643e-4 <= row.ci_high
+    # a surface that is not believed states no interval; which runs are chosen hangs on rounding
+    assert math.isnan(row.ci_low) or row.ci_low <= 4.4643e-4 <= row.ci_high
 
 
 def test_batches_of_one_run_explore_nothing_unless_it_is_said() -> None:
