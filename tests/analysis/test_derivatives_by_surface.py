@@ -12,7 +12,8 @@ from uqfold.analysis import NoSurfaceError, PfDerivatives, surface_derivatives
 from uqfold.inputs.score import moved_inputs
 from uqfold.methods import Kriging, MonteCarlo, PolynomialChaos
 from uqfold.problems import series
-from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.system.surface import reliability_index
+from uqfold.system.surface_layout import laid_out
 from uqfold.testing import LinearNormalSystem
 
 SYSTEM = LinearNormalSystem(units=3, shared_std=0.7)
@@ -85,7 +86,7 @@ def test_stated_errors_hold_on_a_curved_system(method: Kriging | PolynomialChaos
         def surface(u: np.ndarray) -> np.ndarray:
             return problem.model(inputs.from_standard_normal(u))  # type: ignore[attr-defined]
 
-        system = SurfaceSystem.of(surface, 3, 1, 4, grid)
+        system = laid_out(surface, 3, 1, 4, grid)
         return np.array([reliability_index(one) for one in system.failures(surface, grid)])
 
     density = np.exp(-0.5 * index(problem.inputs) ** 2) / np.sqrt(2.0 * np.pi)

@@ -10,7 +10,7 @@ from uqfold.methods.kriging import MAX_RUNS
 from uqfold.problems import four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
-from uqfold.system.surface import surface_failures
+from uqfold.system.surface_layout import surface_failures
 from uqfold.testing.counting import RowCount
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.typing import FloatArray

@@ -11,7 +11,8 @@ from uqfold.system import drawn_rules
 from uqfold.system.directions import DirectionMixture
 from uqfold.system.lines import radial_mass, radial_reach
 from uqfold.system.places import Places, failure_places
-from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface import reliability_indices
+from uqfold.system.surface_layout import laid_out
 from uqfold.typing import FloatArray
 
 WANTED = np.array([1e-2, 1e-4, 1e-9])
@@ -25,7 +26,7 @@ def square(u: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("d", [4, 10, 100])
 def test_failure_all_around_in_many_directions_is_known_to_one_percent(d: int) -> None:
     asked = criteria(chi2.isf(WANTED, d).tolist())
-    system = SurfaceSystem.of(square, d, 0, 1, asked)
+    system = laid_out(square, d, 0, 1, asked)
     responses = system.responses(square)
     found = system.failures_given(responses, asked)
     assert_allclose([one.pf for one in found], WANTED, rtol=1e-2)
@@ -33,37 +34,33 @@ def test_failure_all_around_in_many_directions_is_known_to_one_percent(d: int) -
     assert (off <= 4.0 * system.integration_errors(responses, asked)).all()
 
 
-def test_a_sharp_feature_is_integrated_along_the_direction_that_leads_to_failure() -> None:
-    """Known by quadrature over the sharp variable: 3.7 % off with lines along the steepest."""
+def sharp(u: FloatArray) -> FloatArray:
+    return np.asarray(u[:, 1] - 100.0 * u[:, 0] ** 4)
 
-    def sharp(u: FloatArray) -> FloatArray:
-        return np.asarray(u[:, 1] - 100.0 * u[:, 0] ** 4)
 
+def sharp_pf(threshold: float) -> float:
+    """By quadrature over the sharp variable."""
     x = np.linspace(-2.0, 2.0, 400_001)
     density = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi)
-    exact = float(np.trapezoid(density * ndtr(-(2.5 + 100.0 * x**4)), x))
+    return float(np.trapezoid(density * ndtr(-(threshold + 100.0 * x**4)), x))
+
+
+def test_a_sharp_feature_is_integrated_along_the_direction_that_leads_to_failure() -> None:
+    """3.7 % off with lines along the steepest direction."""
     asked = criteria([2.5])
-    system = SurfaceSystem.of(sharp, 2, 0, 1, asked)
-    [found] = system.failures(sharp, asked)
-    assert found.pf == pytest.approx(exact, rel=1e-4)
+    [found] = laid_out(sharp, 2, 0, 1, asked).failures(sharp, asked)
+    assert found.pf == pytest.approx(sharp_pf(2.5), rel=1e-4)
 
 
 def test_stations_too_far_apart_for_a_sharp_feature_are_an_error() -> None:
     """Lines of 41 stations cannot follow a fourth power of 100: 40 % of pf, at a scatter of 3 %."""
-
-    def sharp(u: FloatArray) -> FloatArray:
-        return np.asarray(u[:, 1] - 100.0 * u[:, 0] ** 4)
-
-    x = np.linspace(-2.0, 2.0, 400_001)
-    density = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi)
-    exact = float(np.trapezoid(density * ndtr(-(2.5 + 100.0 * x**4)), x))
     asked = criteria([2.5])
-    system = SurfaceSystem.of(sharp, 5, 0, 1, asked)
+    system = laid_out(sharp, 5, 0, 1, asked)
     responses = system.responses(sharp)
     [found] = system.failures_given(responses, asked)
-    off = abs(reliability_indices([found])[0] + ndtri(exact))
+    off = abs(reliability_indices([found])[0] + ndtri(sharp_pf(2.5)))
     assert off <= 4.0 * system.integration_errors(responses, asked)[0]
-    assert found.pf == pytest.approx(exact, rel=0.2)
+    assert found.pf == pytest.approx(sharp_pf(2.5), rel=0.2)
 
 
 @pytest.mark.parametrize("d", [8, 40])
@@ -71,7 +68,7 @@ def test_what_bends_in_many_directions_is_told_by_lines_at_adapted_places(d: int
     """The sum of exponentials: at places drawn as the inputs are, errors are ten times as large."""
     wanted = np.array([1e-2, 1e-7])
     asked = criteria(gamma.isf(wanted, d).tolist())
-    system = SurfaceSystem.of(exponentials, d, 0, 1, asked, FEW_POINTS)
+    system = laid_out(exponentials, d, 0, 1, asked, FEW_POINTS)
     responses = system.responses(exponentials)
     index = reliability_indices(system.failures_given(responses, asked))
     error = system.integration_errors(responses, asked)
@@ -118,7 +115,7 @@ def test_lines_and_rays_that_contradict_each_other_are_an_error(
 
     monkeypatch.setattr(drawn_rules, "places_of_failure", off)
     asked = criteria(gamma.isf([1e-5], 8).tolist())
-    drawn = SurfaceSystem.of(exponentials, 8, 0, 1, asked, FEW_POINTS)
+    drawn = laid_out(exponentials, 8, 0, 1, asked, FEW_POINTS)
     responses = drawn.responses(exponentials)
     [found] = drawn.failures_given(responses, asked)
     gap = abs(reliability_indices([found])[0] + ndtri(1e-5))
@@ -133,7 +130,7 @@ def test_several_failure_regions_off_the_axes_are_found_by_rays() -> None:
         return np.asarray((u @ signs.T).max(axis=1) / np.sqrt(5.0))
 
     asked = criteria([4.5])
-    system = SurfaceSystem.of(corners, 5, 0, 1, asked)
+    system = laid_out(corners, 5, 0, 1, asked)
     responses = system.responses(corners)
     [found] = system.failures_given(responses, asked)
     [error] = system.integration_errors(responses, asked)

@@ -11,7 +11,8 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
 from uqfold.system.conditional import system_failures
 from uqfold.system.lines import FINITE, MISSING, NEVER
-from uqfold.system.surface import SurfaceSystem, reliability_indices, surface_failures
+from uqfold.system.surface import reliability_indices
+from uqfold.system.surface_layout import laid_out, surface_failures
 from uqfold.system.surface_rule import Surface, plan_surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -97,7 +98,7 @@ def test_everything_shared_makes_units_and_missions_fail_together() -> None:
 
 
 def test_one_unit_in_one_mission_needs_no_shared_nodes() -> None:
-    system = SurfaceSystem.of(lambda u: u.sum(axis=1), 3, 2, 1, criteria([3.0]))
+    system = laid_out(lambda u: u.sum(axis=1), 3, 2, 1, criteria([3.0]))
     assert system.rule.weights.size == 1
 
 
@@ -111,7 +112,7 @@ def test_a_constant_surface_is_a_step_at_its_value() -> None:
 
 
 def test_noise_widens_the_distribution() -> None:
-    system = SurfaceSystem.of(lambda u: u[:, 1], 2, 1, 3, criteria([4.0]))
+    system = laid_out(lambda u: u[:, 1], 2, 1, 3, criteria([4.0]))
     noisy = system.failures(lambda u: u[:, 1], criteria([4.0]), noise=0.5)[0]
     alone = float(ndtr(-4.0 / np.sqrt(1.25)))
     assert noisy.pf == pytest.approx(-np.expm1(3 * np.log1p(-alone)), rel=1e-3)
@@ -127,7 +128,7 @@ def test_infinite_and_missing_regions_have_their_probability() -> None:
         return 0.1 * u[:, 0] + u[:, 1]
 
     asked = criteria([1e3, -1e3], missions=[1, 2])
-    system = SurfaceSystem.of(surface, 3, 1, 1, asked, complete=False)
+    system = laid_out(surface, 3, 1, 1, asked, complete=False)
     found = system.failures(surface, asked, outcomes)
     hole = float(ndtr(-2.0 / np.sqrt(1.25)))
     # borders are known to half the distance between points, 0.2 standard deviations
@@ -165,7 +166,7 @@ def test_changes_follow_other_surfaces() -> None:
         return 0.4 * u[:, 0] + u[:, 1] + 0.05 * u[:, 1] ** 2
 
     asked = criteria([2.0, 4.0], tau=[None, 3.0])
-    system = SurfaceSystem.of(surface, 2, 1, 3, asked)
+    system = laid_out(surface, 2, 1, 3, asked)
     shifts = np.array([0.0, 0.1, -0.1])
     found = system.changes(surface, lambda u: surface(u) + shifts[:, None], asked)
     assert found.shape == (3, 4)
@@ -213,7 +214,7 @@ def test_units_that_share_a_steep_input_are_told_within_the_stated_error() -> No
     alone = cells @ (0.5 * w)
     exact = (1.0 - (1.0 - alone) ** 4) @ of_a
     asked = criteria(limits.tolist())
-    system = SurfaceSystem.of(surface, 5, 3, 4, asked)
+    system = laid_out(surface, 5, 3, 4, asked)
     responses = system.responses(surface)
     index = reliability_indices(system.failures_given(responses, asked))
     error = system.integration_errors(responses, asked)

@@ -35,6 +35,7 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.refinement import TOLERANCE
 from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray
 
@@ -145,7 +146,7 @@ class _Differences:
         cls, fitted: FittedSurface, problem: Problem, criteria: Sequence[Criterion]
     ) -> _Differences:
         inputs = problem.inputs
-        system = SurfaceSystem.of(
+        system = laid_out(
             fitted.surface.mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
         )
         rng = block_generator(fitted.result.seed, _STREAM)

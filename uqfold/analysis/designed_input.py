@@ -29,7 +29,8 @@ from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import DEFAULT_SPREAD
-from uqfold.system.surface import SurfaceSystem, reliability_index
+from uqfold.system.surface import reliability_index
+from uqfold.system.surface_layout import laid_out
 from uqfold.typing import FloatArray
 
 _SURFACE_POINTS, _METHOD_POINTS = 17, 9
@@ -207,9 +208,7 @@ def _on_surface(
         mean = fitted.seen_from(fitted.surface.mean, here)
         drawn = fitted.seen_from(paths, here)
         # laid out anew, since the directions that matter change with the distribution
-        system = SurfaceSystem.of(
-            mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
-        )
+        system = laid_out(mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria)
         resolved &= system.rule.resolved
         responses = system.responses(mean, noise=fitted.noise)
         [found] = system.failures_given(responses, criteria)

@@ -28,6 +28,7 @@ from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray
 
@@ -219,7 +220,7 @@ def _answered(
 ) -> SurfaceAnswers:
     problem = task.problem
     inputs = problem.inputs
-    system = SurfaceSystem.of(
+    system = laid_out(
         surface.mean, inputs.dimension, inputs.n_shared, problem.n_units, task.criteria,
         max_points, complete=runs.complete,
     )  # fmt: skip

@@ -1,56 +1,35 @@
 """From a cheap surface over standard-normal space to the system's failure probability.
 
 The surface f(u) gives the response of one unit at standard-normal variables u, shared ones first.
-It is integrated without sampling, see `uqfold.system.surface_rule`.
+Where it is evaluated, `uqfold.system.surface_layout` decides.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeAlias
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
-from uqfold.system.drawn_rules import DrawnRules
-from uqfold.system.refinement import TOLERANCE, Compared
-from uqfold.system.sampled_rule import SAMPLED_STATIONS
-from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule, plan_surface
+from uqfold.system.refinement import TOLERANCE
+from uqfold.system.surface_rule import Surface, SurfaceRule
 from uqfold.typing import FloatArray, IntArray
 
 Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 """Takes u (n, d), gives the kinds of outcome (n,): see `uqfold.system.lines`."""
 
 
-# Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
-_MOST_NUMBERS = 20_000_000
-_MOST_EXACT = 50
 # Error of crossings and tables; and how much worse a rule may be than its last refinement showed,
 # where the errors of all directions together exceed so many tolerances of one.
 _ROUNDING, _CAUTION, _MET = 1e-4, 2.0, 2.0
 # Parts of random lines whose scatter is measured, and Student's quantile for them over that of
 # the 20 draws behind the rest of the stated error.
 _GROUPS, _FEW_PARTS = 8, 1.13
-# Individual variables from which refinement along single directions may mislead.
-_MISLEADING = 3
-# Points of a first check by rays; errors of the check within which quadrature is confirmed, and
-# beyond which it is contradicted.
-_CHECKED, _CONFIRMED, _CONTRADICTED = 10_000, 2.5, 6.0
-# Shares of the points: in the trial of lines and rays, and in the end; criteria in the trial.
-_TRIED, _FEWER, _CRITERIA_TRIED = 16, 4, 8
-_MOST_COARSE = 20_000
-# Error of a reliability index at which no more lines are drawn, nor more stations along them.
-_ENOUGH = 1e-3
-# Share of the points of quadrature that is compared with all of them.
-_FEWER_POINTS = 4
-# Error of lines drawn at random up to which quadrature is not looked at again.
-_WELL_KNOWN = 3e-3
-# Joint errors from which lines and rays contradict each other.
-_AT_ODDS = 4.0
 # Share of what twice as many stations change that the finer ones leave: a sixteenth where the
 # surface is smooth, more at kinks.
 _HALVED = 0.25
@@ -75,20 +54,11 @@ class Responses:
     thinned: list[ConditionalResponse]
 
 
-class _Trial(NamedTuple):
-    """Lines or rays drawn, the indices (C,) that they give, their errors (C,), and those along."""
-
-    system: SurfaceSystem
-    indices: FloatArray
-    errors: FloatArray
-    along: float
-
-
 @dataclass(frozen=True, eq=False)
 class SurfaceSystem:
     """Exchangeable units in series whose responses share one surface.
 
-    Built by `SurfaceSystem.of` from the surface that matters most; other surfaces that differ
+    Built by `laid_out` from the surface that matters most; other surfaces that differ
     little from it (draws from a posterior) are answered on the same points.
 
     Attributes
@@ -107,168 +77,6 @@ class SurfaceSystem:
     coarse: SurfaceRule
     units: int
     together: bool
-
-    @classmethod
-    def of(
-        cls,
-        surface: Surface,
-        dimension: int,
-        n_shared: int,
-        units: int,
-        criteria: Sequence[Criterion],
-        max_points: int = MAX_POINTS,
-        *,
-        complete: bool = True,
-    ) -> SurfaceSystem:
-        """Lay out the points for a surface.
-
-        Parameters
-        ----------
-        surface
-            Response of one unit over standard-normal space.
-        dimension, n_shared
-            Number of variables, and how many of them (the first ones) are shared.
-        units
-            Number of units n.
-        criteria
-            The questions that will be asked.
-        max_points
-            Most points at which the surface is to be evaluated for an answer.
-        complete
-            Whether responses are finite everywhere; if not, `outcomes` will say where.
-        """
-        single = units == 1 and all(criterion.missions == 1 for criterion in criteria)
-        together = single or n_shared == dimension
-        most = units * max((one.max_missions for one in criteria), default=1)
-        max_points = min(max_points, _MOST_NUMBERS // dimension)
-        asked = _thresholds(criteria)
-        # with a shared input or tau, responses matter that lie between the thresholds and the body
-        alone = together and all(one.tau is None for one in criteria)
-        plan = plan_surface(
-            surface, dimension, 0 if together else n_shared, most,
-            compared=Compared(asked, alone), max_points=max_points,
-        )  # fmt: skip
-        if not complete:
-            plan = plan.for_outcomes()
-        rule = plan.rule(max_points, asked)
-        quadrature = cls(rule, plan.coarse_rule(asked), units, together)
-        own = dimension - plan.axes.shared.shape[0]
-        # where responses are missing no error is stated: a better rule would gain nothing
-        if not complete or (own < _MISLEADING and (rule.resolved or own == 1)):
-            return quadrature
-        drawn = DrawnRules.of(surface, plan, asked)
-        # the same without tau is told at a fraction of the cost
-        some = [
-            Criterion(one.threshold, None, one.missions)
-            for one in criteria[:: max(1, len(criteria) // _CRITERIA_TRIED)]
-        ]
-        if rule.resolved:
-            if quadrature._agrees(surface, some, drawn, max_points):
-                return quadrature
-            return quadrature._sampled(surface, some, drawn, max_points)[0]
-        sampled, error = quadrature._sampled(surface, some, drawn, max_points)
-        if error <= _WELL_KNOWN:
-            return sampled
-        # what refinement could not settle over the whole distribution may be settled here
-        fewer = replace(quadrature, rule=plan.rule(max_points // _FEWER_POINTS, asked))
-        changed = quadrature._apart(fewer, surface, some)
-        apart = quadrature._apart(sampled, surface, some)
-        if changed < error and apart <= _AT_ODDS * (changed + error):
-            return replace(quadrature, rule=replace(rule, error=changed))
-        return sampled
-
-    def _apart(
-        self, other: SurfaceSystem, surface: Surface, criteria: Sequence[Criterion]
-    ) -> float:
-        """Largest distance of the reliability indices of two systems."""
-        one, two = (
-            reliability_indices(
-                system._answer(
-                    system.rule, system.rule.responses(surface(system.rule.points)), criteria
-                )
-            )
-            for system in (self, other)
-        )
-        return float(np.abs(one - two).max())
-
-    def _agrees(
-        self,
-        surface: Surface,
-        criteria: Sequence[Criterion],
-        drawn: DrawnRules,
-        max_points: int,
-    ) -> bool:
-        """Whether rays give the answers of the quadrature, within their scatter.
-
-        Refinement looks from two places, and may miss what is to be seen from others. A few rays
-        are drawn, and more of them as long as they neither confirm nor contradict.
-        """
-        own = self.responses(surface)
-        indices = reliability_indices(self.failures_given(own, criteria))
-        allowed = self.integration_errors(own, criteria)
-        most = _CHECKED
-        while True:
-            few = replace(self, rule=drawn.rule(most, rays=True))
-            found = few.responses(surface)
-            gap = np.abs(reliability_indices(few.failures_given(found, criteria)) - indices)
-            beyond = (gap - allowed) / few.integration_errors(found, criteria)
-            if beyond.max() <= _CONFIRMED:
-                return True
-            if beyond.max() > _CONTRADICTED or most >= max_points:
-                return False
-            most = min(4 * most, max_points)
-
-    def _sampled(
-        self,
-        surface: Surface,
-        criteria: Sequence[Criterion],
-        drawn: DrawnRules,
-        max_points: int,
-    ) -> tuple[SurfaceSystem, float]:
-        """Draw lines or rays, whichever a trial finds to err less; and give the largest error.
-
-        Where the answers of the two contradict each other, one of them has missed something that
-        its own scatter does not show: the distance counts as an error. So does what half as many
-        shared nodes change.
-        """
-
-        def tried(most: int, stations: int, *, rays: bool) -> _Trial:
-            system = replace(self, rule=drawn.rule(most, rays=rays, stations=stations))
-            responses = system.responses(surface)
-            return _Trial(
-                system,
-                reliability_indices(system.failures_given(responses, criteria)),
-                system.integration_errors(responses, criteria),
-                float(system._along_lines(responses, criteria).max()),
-            )
-
-        def trial(*, rays: bool) -> _Trial:
-            for stations in SAMPLED_STATIONS:
-                found = tried(most, stations, rays=rays)
-                if found.along <= _ENOUGH:
-                    break
-            return found
-
-        most, enough = max_points // _TRIED, max_points // _FEWER
-        lines, rays = trial(rays=False), trial(rays=True)
-        gap = np.abs(lines.indices - rays.indices)
-        contradicted = gap > _AT_ODDS * np.hypot(lines.errors, rays.errors)
-        error = float(gap[contradicted].max(initial=0.0))
-        by_rays = bool(rays.errors.max() < lines.errors.max())
-        best = rays if by_rays else lines
-        stations = best.system.rule.lines.stations.size
-        while best.errors.max() > _ENOUGH and most < enough:
-            most = min(4 * most, enough)
-            best = tried(most, stations, rays=by_rays)
-        found = best.system
-        step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
-        nodes, weights = drawn.fewer
-        if weights.size < drawn.weights.size:
-            fewer = replace(found, rule=replace(found.rule, shared_nodes=nodes, weights=weights))
-            error = math.hypot(error, found._apart(fewer, surface, criteria))
-        rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
-        largest = math.hypot(error, float(best.errors.max()))
-        return replace(found, rule=rule, coarse=coarse), largest
 
     def failures(
         self,
@@ -313,6 +121,11 @@ class SurfaceSystem:
         )
         return Responses(whole, parts, thinned)
 
+    def indices(self, surface: Surface, criteria: Sequence[Criterion]) -> FloatArray:
+        """Reliability indices (C,), of which no error is asked."""
+        values = surface(self.rule.points)
+        return reliability_indices(self._answer(self.rule, self.rule.responses(values), criteria))
+
     def failures_given(
         self, responses: Responses, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
@@ -331,7 +144,7 @@ class SurfaceSystem:
             left = self.rule.error
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
             return np.full(len(criteria), error)
-        along = self._along_lines(responses, criteria)
+        along = self.errors_along_lines(responses, criteria)
         indices = np.array(
             [
                 reliability_indices(self._answer(self.rule, part, criteria))
@@ -342,7 +155,7 @@ class SurfaceSystem:
         fixed = math.hypot(_ROUNDING, self.rule.error)
         return np.asarray(np.sqrt(fixed**2 + along**2 + scatter**2))
 
-    def _along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
+    def errors_along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices from stations too far apart on random lines."""
         found, coarser = (
             reliability_indices(self._answer(self.rule, some, criteria))
@@ -414,19 +227,6 @@ class SurfaceSystem:
         return [_if_flown(one, c) for one, c in zip(found, criteria, strict=True)]
 
 
-def surface_failures(
-    surface: Surface,
-    dimension: int,
-    n_shared: int,
-    units: int,
-    criteria: Sequence[Criterion],
-    max_points: int = MAX_POINTS,
-) -> list[SystemProbability]:
-    """Failure probability of units whose response is a surface; see `SurfaceSystem`."""
-    system = SurfaceSystem.of(surface, dimension, n_shared, units, criteria, max_points)
-    return system.failures(surface, criteria)
-
-
 def reliability_index(found: SystemProbability) -> float:
     """-Phi^-1(pf) from the smaller of the two probabilities, kept within +-38."""
     return float(reliability_indices([found])[0])
@@ -440,14 +240,6 @@ def reliability_indices(found: Sequence[SystemProbability]) -> FloatArray:
     reliability = np.array([one.reliability for one in found])
     beta = np.where(pf <= reliability, -ndtri(pf), ndtri(reliability))
     return np.asarray(np.clip(beta, -38.0, 38.0))
-
-
-def _thresholds(criteria: Sequence[Criterion]) -> FloatArray:
-    """Thresholds T that tables are to hold exactly: all, or some spread among many."""
-    asked = np.unique([one.threshold for one in criteria])
-    if asked.size > _MOST_EXACT:
-        asked = asked[np.linspace(0, asked.size - 1, _MOST_EXACT).round().astype(int)]
-    return np.asarray(asked)
 
 
 def _if_flown(found: SystemProbability, criterion: Criterion) -> SystemProbability:
