@@ -42,8 +42,13 @@ def test_help_loads_nothing_heavy(words: list[str]) -> None:
 
 
 def sources(top: Path) -> dict[str, Path]:
-    """Module -> its file, for a package in the folder `top`."""
+    """Module -> its file, for all in the folder `top` but in what begins with a dot, as .venv."""
     files = {path.relative_to(top).with_suffix(""): path for path in sorted(top.rglob("*.py"))}
+    files = {
+        part: path
+        for part, path in files.items()
+        if not any(name.startswith(".") for name in part.parts)
+    }
     return {".".join(part.parts).removesuffix(".__init__"): path for part, path in files.items()}
 
 
@@ -104,6 +109,14 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     """Circles between files are gone, also those of type-only and function-level imports."""
     found = circles(dependencies(Path(uqfold.__file__).parents[1]))
     assert [" -> ".join(way) for way in found] == []
+
+
+def test_a_virtual_environment_in_the_project_is_no_part_of_it(tmp_path: Path) -> None:
+    """README makes one there."""
+    for folder in (".venv/lib/other", "house"):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "__init__.py").write_text("")
+    assert list(sources(tmp_path)) == ["house"]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Where a surface is evaluated: at the points of quadrature, or along lines or rays drawn at random.
+"""Where a surface is evaluated: by quadrature, or along lines or rays drawn at random.
 
 Quadrature comes first. Where refinement does not resolve the surface, or a few rays contradict it,
 lines and rays are tried, and what errs less by its own measure is taken.
