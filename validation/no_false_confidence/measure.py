@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from uqfold.methods import available, build
 from uqfold.methods.result import NO_ANSWER
@@ -66,8 +66,10 @@ def answer(name: str, method: str, seed: int) -> Row:
     }
 
 
-def answers(pool: ProcessPoolExecutor | None, hard: Hard, seeds: range, *, quick: bool) -> Any:
-    """All rows of one problem; methods that know no chance answer once."""
+def answers(
+    pool: ProcessPoolExecutor | None, hard: Hard, seeds: range, *, quick: bool
+) -> pd.DataFrame:
+    """Ask all methods about one problem; those that know no chance answer once."""
     asked = []
     for method, kind in available().items():
         if method.startswith("ffni") and hard.d > MOST_INPUTS:
@@ -75,31 +77,40 @@ def answers(pool: ProcessPoolExecutor | None, hard: Hard, seeds: range, *, quick
         if quick and method in SLOW and QUICK.index(hard.name) % 4:
             continue
         asked += [(hard.name, method, seed) for seed in (seeds if kind().stochastic else seeds[:1])]
-    if pool is None:
-        return [answer(*one) for one in asked]
-    return list(pool.map(answer, *zip(*asked, strict=True)))
+    rows = pd.DataFrame((map if pool is None else pool.map)(answer, *zip(*asked, strict=True)))
+    return rows[~rows["status"].isin(NO_ANSWER)]
 
 
-def judged(row: Row, hard: Hard) -> Row:
-    """Add by how much a row is wrong: relatively, and in its own stated errors."""
-    beyond = max(0.0, row["pf"] - hard.pf, hard.least - row["pf"])
-    scale = min(hard.pf, 1.0 - hard.least)
+def planted(rows: pd.DataFrame, hard: Hard, fault: str | None) -> pd.DataFrame:
+    """Return the answers to one problem with those of Kriging spoilt by a fault."""
+    own, changed = rows["method"] == "kriging", rows
+    if fault == "all doubted":
+        changed = rows.assign(status="doubtful")
+    elif fault is not None:
+        stated = 0.1 * (rows["pf"] - hard.pf).abs()
+        ends = {"low": rows["pf"] - QUANTILE * stated, "high": rows["pf"] + QUANTILE * stated}
+        changed = rows.assign(std_error=stated, **ends)
+    return rows.where(~own, changed)
+
+
+def judged(rows: pd.DataFrame, hard: Hard) -> pd.DataFrame:
+    """Add by how much answers to one problem are wrong: relatively, and in their own errors."""
+    pf = rows["pf"]
+    beyond = np.maximum(np.maximum(pf - hard.pf, hard.least - pf), 0.0)
     # of a skewed interval the part on the side of the truth
-    side = row["pf"] - row["low"] if row["pf"] > hard.pf else row["high"] - row["pf"]
-    stated = float(np.fmax(row["std_error"], side / QUANTILE))
-    far = beyond / stated if stated > 0.0 else (math.inf if beyond > 0.0 else 0.0)
-    relative = beyond / scale if scale > 0.0 else (math.inf if beyond > 0.0 else 0.0)
-    return {
-        **row,
-        "relative": relative,
-        "stated errors": far,
-        "inside": row["low"] <= hard.pf and hard.least <= row["high"],
-    }
+    side = (pf - rows["low"]).where(pf > hard.pf, rows["high"] - pf)
+    stated = np.fmax(rows["std_error"], side / QUANTILE).fillna(0.0)
+    return rows.assign(
+        relative=(beyond / min(hard.pf, 1.0 - hard.least)).fillna(0.0),
+        stated_errors=(beyond / stated).fillna(0.0),
+        inside=(rows["low"] <= hard.pf) & (hard.least <= rows["high"]),
+        sure=rows["status"] == "converged",
+    )
 
 
-def wrong(row: Row, limits: tuple[float, float]) -> bool:
-    """Whether a row errs by more than both limits."""
-    return bool(row["stated errors"] > limits[0] and row["relative"] > limits[1])
+def wrong(rows: pd.DataFrame, limits: tuple[float, float]) -> pd.Series[bool]:
+    """Return which rows err by more than both limits."""
+    return (rows["stated_errors"] > limits[0]) & (rows["relative"] > limits[1])
 
 
 def measure(work: Work) -> Measurement:
@@ -110,97 +121,64 @@ def measure(work: Work) -> Measurement:
     with ProcessPoolExecutor(2) if full else nullcontext() as pool:
         parts = {hard.name: partial(answers, pool, hard, seeds, quick=not full) for hard in asked}
         found = work.parts(parts)
-    rows = [
-        judged(_planted(row, hard, work.fault), hard)
-        for hard in asked
-        for row in found[hard.name]
-        if row["status"] not in NO_ANSWER
-    ]
-    sure = [row for row in rows if row["status"] == "converged"]
+    rows = pd.concat(judged(planted(found[hard.name], hard, work.fault), hard) for hard in asked)
+    sure = rows[rows["sure"]]
     tables = [
         Table.of("Methods", [_method(name, rows) for name in available()]),
         Table.of("Problems", [_problem(hard, rows) for hard in asked]),
     ]
-    mistaken = [row for row in sure if wrong(row, FAR) or wrong(row, VERY_FAR)]
-    if mistaken:
-        tables.append(Table.of("Converged and wrong", mistaken))
-    return Measurement([*_findings(asked, rows, sure)], tables)
+    mistaken = sure[wrong(sure, FAR) | wrong(sure, VERY_FAR)]
+    if len(mistaken):
+        tables.append(Table.of("Converged and wrong", mistaken.drop(columns="sure")))
+    return Measurement(_findings(asked, rows, sure), tables)
 
 
-def _findings(asked: list[Hard], rows: list[Row], sure: list[Row]) -> list[Finding]:
-    easy = {hard.name for hard in asked if hard.smooth and hard.d <= SMALL}
-    kriging = [row for row in rows if row["method"] == "kriging" and row["problem"] in easy]
-    answered = sum(row["status"] == "converged" for row in kriging) / len(kriging)
-    far = sum(wrong(row, FAR) for row in sure)
+def _findings(asked: list[Hard], rows: pd.DataFrame, sure: pd.DataFrame) -> list[Finding]:
+    easy = [hard.name for hard in asked if hard.smooth and hard.d <= SMALL]
+    kriging = rows[(rows["method"] == "kriging") & rows["problem"].isin(easy)]
     findings = [
         Finding("problems", len(asked)),
         Finding("answers", len(rows)),
         Finding("converged rows", len(sure), 1, at_least=True),
-        Finding(
-            "of these more than 3 stated errors and 1 % off", 100.0 * far / len(sure), 1.0, "%"
-        ),
-        Finding(
-            "of these more than 10 stated errors and 0.1 % off",
-            sum(wrong(row, VERY_FAR) for row in sure),
-            0,
-        ),
-        Finding(
-            "smooth problems of up to ten inputs on which Kriging is converged",
-            100.0 * answered, 100.0 * ANSWERED, "%", at_least=True,
-        ),
+        Finding("of these more than 3 stated errors and 1 % off",
+                100.0 * wrong(sure, FAR).mean(), 1.0, "%"),
+        Finding("of these more than 10 stated errors and 0.1 % off",
+                wrong(sure, VERY_FAR).sum(), 0),
+        Finding("smooth problems of up to ten inputs on which Kriging is converged",
+                100.0 * kriging["sure"].mean(), 100.0 * ANSWERED, "%", at_least=True),
     ]  # fmt: skip
     for method in available():
-        own = [row["inside"] for row in sure if row["method"] == method]
-        if own:
-            limit = COVERAGE if len(own) >= FEW else COVERAGE_OF_FEW
-            findings.append(
-                Finding(
-                    f"{method}: converged rows whose interval holds the truth",
-                    100.0 * sum(own) / len(own), 100.0 * limit, "%", at_least=True,
-                )
-            )  # fmt: skip
+        inside = sure["inside"][sure["method"] == method]
+        if len(inside):
+            limit = COVERAGE if len(inside) >= FEW else COVERAGE_OF_FEW
+            what = f"{method}: converged rows whose interval holds the truth"
+            share, least = 100.0 * inside.mean(), 100.0 * limit
+            findings.append(Finding(what, share, least, "%", at_least=True))
     return findings
 
 
-def _method(method: str, rows: list[Row]) -> Row:
-    """One row of the table of methods."""
-    own = [row for row in rows if row["method"] == method]
-    sure = [row for row in own if row["status"] == "converged"]
-    rest = [row for row in own if row["status"] != "converged"]
+def _method(method: str, rows: pd.DataFrame) -> Row:
+    """Return one row of the table of methods."""
+    own = rows[rows["method"] == method]
+    sure, unchecked = own["sure"], own["status"] == "unchecked"
     return {
         "method": method,
         "answers": len(own),
-        "converged": len(sure),
-        "interval holds the truth (%)": _share([row["inside"] for row in sure]),
-        "3 stated errors and 1 % off": sum(wrong(row, FAR) for row in sure),
-        "unchecked": sum(row["status"] == "unchecked" for row in own),
-        "unchecked and 10 % off": sum(
-            row["status"] == "unchecked" and row["relative"] > 0.1 for row in own
-        ),
-        "doubted though within 10 % (%)": _share([row["relative"] <= 0.1 for row in rest]),
+        "converged": sure.sum(),
+        "interval holds the truth (%)": 100.0 * own["inside"][sure].mean(),
+        "3 stated errors and 1 % off": (sure & wrong(own, FAR)).sum(),
+        "unchecked": unchecked.sum(),
+        "unchecked and 10 % off": (unchecked & (own["relative"] > 0.1)).sum(),
+        "doubted though within 10 % (%)": 100.0 * (own["relative"][~sure] <= 0.1).mean(),
     }
 
 
-def _problem(hard: Hard, rows: list[Row]) -> Row:
-    """One row of the table of problems: answers called converged, and their largest error."""
+def _problem(hard: Hard, rows: pd.DataFrame) -> Row:
+    """Return one row of the table of problems: answers called converged, their largest error."""
     cells: Row = {"problem": hard.name, "kind": hard.kind, "inputs": hard.d, "pf": hard.pf}
     for method in available():
-        own = [row for row in rows if (row["method"], row["problem"]) == (method, hard.name)]
-        sure = [row["relative"] for row in own if row["status"] == "converged"]
-        cells[method] = f"{len(sure)}/{len(own)}" + (f", {100 * max(sure):.2g} %" if sure else "")
+        own = rows[(rows["method"] == method) & (rows["problem"] == hard.name)]
+        errors = 100.0 * own["relative"][own["sure"]]
+        worst = f", {errors.max():.2g} %" if len(errors) else ""
+        cells[method] = f"{len(errors)}/{len(own)}{worst}"
     return cells
-
-
-def _share(values: list[bool]) -> float | None:
-    return 100.0 * sum(values) / len(values) if values else None
-
-
-def _planted(row: Row, hard: Hard, fault: str | None) -> Row:
-    if fault is None or row["method"] != "kriging":
-        return row
-    if fault == "all doubted":
-        return {**row, "status": "doubtful"}
-    stated = 0.1 * abs(row["pf"] - hard.pf)
-    reach = QUANTILE * stated
-    ends = {"low": row["pf"] - reach, "high": row["pf"] + reach}
-    return {**row, "std_error": stated, **ends}
