@@ -17,9 +17,9 @@ import pytest
 import uqfold
 from tests.evaluation import models
 from uqfold.evaluation import EvaluationSession, Evaluator, ModelError, Processes, Store, per_sample
-from uqfold.evaluation.calling import COMPARED, REPEATS
+from uqfold.evaluation.calling import MOST_COMPARED, REPEATS
 from uqfold.inputs import normal
-from uqfold.methods import ConditionalMonteCarlo, FFNIPearson, Kriging, MonteCarlo
+from uqfold.methods import ActiveKriging, ConditionalMonteCarlo, FFNIPearson, Kriging, MonteCarlo
 from uqfold.problems import Problem
 from uqfold.testing.counting import RowCount
 
@@ -143,6 +143,29 @@ def test_a_model_that_mixes_rows_is_refused(model: Any, n: int) -> None:
     assert opened(lambda x: x[:, 0] - x[:, 0].mean(), batch_rows=1).evaluate(rows(3)).size == 3
 
 
+def clipped(x: np.ndarray, share: float = 0.05) -> np.ndarray:
+    y = x[:, 0] - x[:, 1]
+    return np.clip(y, *np.quantile(y, [share, 1.0 - share])) if len(y) > 10 else y
+
+
+@pytest.mark.parametrize(
+    "method", [MonteCarlo(), ConditionalMonteCarlo(), Kriging(), ActiveKriging()], ids=str
+)
+def test_a_model_that_clips_at_the_ends_of_a_batch_is_refused_without_a_limit(method: Any) -> None:
+    row = method.estimate(limit_state(clipped), rng=1, max_evals=4000)[0]
+    assert row.status == "failed", row
+    assert "depends on the rows beside it" in row.message
+    with pytest.raises(ModelError, match="beside it"):
+        opened(lambda x: clipped(x, 1e-3)).evaluate(rows(5000))
+
+
+def test_rows_are_compared_again_where_batches_are_much_larger() -> None:
+    session = opened(clipped)
+    session.evaluate(rows(10))
+    with pytest.raises(ModelError, match="beside it"):
+        session.evaluate(rows(100))
+
+
 @pytest.mark.parametrize(
     "model",
     [
@@ -177,7 +200,7 @@ def test_a_noisy_model_stays_possible() -> None:
         assert np.abs(session.evaluate(rows(n)) - rows(n)[:, 0]).max() < 1.0
         assert session.n_evals == n
     # what it costs beyond its evaluations
-    assert count.rows <= sum(range(2, 60)) + 58 * COMPARED * (1 + REPEATS)
+    assert count.rows <= sum(range(2, 60)) + 58 * MOST_COMPARED * (1 + REPEATS)
 
 
 # What finding out costs
@@ -192,7 +215,7 @@ def test_a_few_rows_are_run_again_alone_and_count_nowhere() -> None:
 
     session = Evaluator(batch_rows=8).session(model, 2, 10)
     session.evaluate(rows(10))
-    assert seen == [8, 1, 1, 2]
+    assert seen == [8, 1, 1, 1, 1, 2]
     assert (session.n_evals, session.remaining) == (10, 0)
 
 

@@ -4,7 +4,7 @@ Nothing in a function says whether it takes rows, or one sample (d,); and what i
 the right shape by chance, as that of a function of one sample has where n = d. So the first rows
 that a model is run on tell: some of them are run again alone. What a row means must be the same
 alone and among others, or the model is refused. A few rows say little of the many that come later,
-so that this is repeated when a time limit has made the first batches small.
+so that this is repeated in batches that are much larger.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from uqfold.problems.responses import ResponseError, numbers_in
 from uqfold.typing import FloatArray, Model
 
 COMPARED = 2
-"""So many rows are run again alone, when a model has more than one row for the first time."""
+"""So many rows are run again alone at a time, ordinary ones and those of extreme responses."""
+MOST_COMPARED = 2 * COMPARED
+"""So many rows of one batch are run again alone at most, if all agree."""
 TRIED = 5
 """So many rows are tried, where some of them fail alone."""
 REPEATS = 4
@@ -95,6 +97,8 @@ class Calls:
         if x.shape[0] > 1:
             if self.in_doubt:
                 self._compare(x, y, _telling(y), NOISE_RANGES)
+                if x.shape[0] >= FEW:
+                    self._compare(x, y, _extremes(y), NOISE_RANGES_OF_EXTREMES)
             elif self.outgrown and not self.compare_from:
                 noisy = self._compare(x, y, _extremes(y), NOISE_RANGES_OF_EXTREMES)
                 if noisy:

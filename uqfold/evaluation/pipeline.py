@@ -228,11 +228,10 @@ class Pipeline:
     def _submit(self, call: _Call, may_give_up: bool = False) -> None:
         if self._in_doubt and self._in_question is None:
             self._in_question = call.batch
-        limited = math.isfinite(self._seconds_left())
         caution = Caution(
             may_give_up,
             in_doubt=self._in_doubt and call.batch is self._in_question,
-            outgrown=limited and call.rows.size >= self._compare_from,
+            outgrown=call.rows.size >= self._compare_from,
         )
         with program_blas_threads():
             self.runner.submit(call, call.batch.x[call.rows], caution)

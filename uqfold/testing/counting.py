@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from uqfold.evaluation.calling import COMPARED
+from uqfold.evaluation.calling import MOST_COMPARED
 from uqfold.typing import FloatArray
 
 
@@ -12,8 +12,8 @@ from uqfold.typing import FloatArray
 class RowCount:
     """Rows that a model has been run on, for models that count.
 
-    The evaluator runs a few rows of the first call with several rows again alone, to see how the
-    model is called. These repeats do not count as evaluations.
+    The evaluator runs a few rows of the first call with several rows, and of calls with many more,
+    again alone, to see how the model is called. These repeats do not count as evaluations.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class RowCount:
 
     def add(self, x: FloatArray) -> bool:
         """Count the rows X (n, d) of one call, and return whether they are evaluations."""
-        if len(x) == 1 and self._repeats < COMPARED and x.tobytes() in self._last:
+        if len(x) == 1 and self._repeats < MOST_COMPARED and x.tobytes() in self._last:
             self._repeats += 1
             return False
         if len(x) > 1:
