@@ -1,16 +1,26 @@
 """What the base owns: arguments, seeds, statuses, the promises of every row."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from uqfold.evaluation import Evaluator, FailedRunError
-from uqfold.methods import Estimate, MonteCarlo, ReliabilityMethod, Solution, Task, available, build
+from uqfold.methods import (
+    ConditionalMonteCarlo,
+    Estimate,
+    MonteCarlo,
+    OpenTURNSMonteCarlo,
+    ReliabilityMethod,
+    Solution,
+    Task,
+    available,
+    build,
+)
 from uqfold.methods.base import attempt
-from uqfold.methods.result import reliability_index
+from uqfold.methods.result import Status, reliability_index
 from uqfold.methods.seeding import block_generator, reduced_seed
 from uqfold.problems import Problem
 from uqfold.problems.base import Unit
@@ -73,7 +83,7 @@ def test_row_carries_cost_and_identity() -> None:
         ({"std_error": math.inf}, "unchecked"),
         ({"ci_low": 0.2}, "unchecked"),
         ({"std_error": 0.01}, "converged"),
-        ({"ci_low": 0.2, "ci_high": 0.3}, "converged"),
+        ({"ci_low": 0.23, "ci_high": 0.27}, "converged"),
     ],
 )
 def test_converged_without_an_error_becomes_unchecked(
@@ -83,6 +93,43 @@ def test_converged_without_an_error_becomes_unchecked(
     claimed = Estimate(0.25, status="converged", **stated)
     row = Scripted(answer=claimed).estimate(SYSTEM.problem(), criteria(1.0))[0]
     assert (row.status, row.pf) == (status, 0.25)
+
+
+@pytest.mark.parametrize("claimed", ["converged", "budget_exhausted"])
+@pytest.mark.parametrize(
+    ("pf", "stated"),
+    [
+        (0.25, {"std_error": 0.026}),
+        (0.25, {"ci_low": 0.19, "ci_high": 0.31}),
+        (0.0, {"ci_low": 0.0, "ci_high": 1e-9}),
+        (0.0, {"std_error": 0.0, "ci_low": 0.0, "ci_high": 1e-9}),
+    ],
+)
+def test_an_error_above_a_tenth_of_pf_is_doubtful(
+    claimed: Status, pf: float, stated: dict[str, float]
+) -> None:
+    """`converged` requires a stated relative error of at most 10 %, whatever the method says."""
+    answer = Estimate(pf, status=claimed, **stated)
+    row = Scripted(answer=answer).estimate(SYSTEM.problem(), criteria(1.0))[0]
+    assert (row.status, row.message) == ("doubtful", "the stated error is above 10% of pf")
+
+
+@pytest.mark.parametrize(
+    ("method", "budget"),
+    [
+        (MonteCarlo(target_cov=0.3), 300),
+        (ConditionalMonteCarlo(target_cov=0.3), 1500),
+        (OpenTURNSMonteCarlo(target_cov=0.3), 1200),
+    ],
+)
+def test_the_largest_error_of_a_converged_row_is_a_setting(
+    method: ReliabilityMethod, budget: int
+) -> None:
+    """`target_cov` in every method that estimates an error; it does not change the answer."""
+    for target, status in ((0.3, "converged"), (0.02, "doubtful")):
+        one = replace(method, target_cov=target)  # type: ignore[call-arg]
+        row = one.estimate(SYSTEM.problem(), criteria(11.5), max_evals=budget, rng=2)[0]
+        assert (row.status, 0.02 < row.std_error / row.pf < 0.3) == (status, True), one
 
 
 def test_a_status_of_nobodys_is_no_answer() -> None:

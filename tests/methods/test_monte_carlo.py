@@ -67,7 +67,7 @@ def test_a_smaller_budget_is_the_beginning_of_a_larger_one() -> None:
 
 def test_budget_is_spent_in_whole_systems() -> None:
     problem = LinearNormalSystem(units=3).problem()
-    question = criteria(11.0, missions=2)
+    question = criteria(10.0, missions=2)
     result = MonteCarlo(systems=900).estimate(problem, question, max_evals=5000, rng=4)
     assert result.n_evals == 4998
     assert result[0].status == "budget_exhausted"
@@ -107,7 +107,7 @@ def test_target_cov_stops_early_or_says_that_it_was_missed() -> None:
     assert all(row.status == "converged" for row in early)
     assert all(row.std_error / row.pf <= 0.05 for row in early)
     late = MonteCarlo(systems=2000, target_cov=0.001).estimate(problem, grid, rng=6)
-    assert all(row.status == "budget_exhausted" for row in late)
+    assert all(row.status == "doubtful" for row in late)
 
 
 def test_failed_runs_are_bounded_from_both_sides() -> None:

@@ -32,7 +32,7 @@ SYSTEM = LinearNormalSystem(units=3, shared_std=0.7)
 METHODS = [
     MonteCarlo(systems=6_000),
     ConditionalMonteCarlo(blocks=40),
-    OpenTURNSMonteCarlo(target_cov=0.02, max_samples=6_000),
+    OpenTURNSMonteCarlo(target_cov=0.03, max_samples=8_000),
 ]
 each_method = pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 

@@ -278,6 +278,17 @@ class ConvergedWithoutAnError(_FromMonteCarlo):
 
 
 @dataclass(frozen=True)
+class ConvergedWithAWideError(_FromMonteCarlo):
+    """Calls an answer converged whose error is half of it, past the check of the base."""
+
+    def _checked(self, estimate: Estimate, session: EvaluationSession) -> Estimate:
+        checked = super()._checked(estimate, session)
+        if np.isnan(checked.pf):
+            return checked
+        return replace(checked, status="converged", std_error=0.5 * checked.pf)
+
+
+@dataclass(frozen=True)
 class SwallowsFailedRuns(_FromMonteCarlo):
     """Catches the error of a failed run and answers all the same."""
 
@@ -367,6 +378,7 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (OnlyEqualToItself, "is_a_frozen_record_of_settings"),
     (ReliabilityOfAnother, "rows_are_well_formed"),
     (ConvergedWithoutAnError, "rows_are_well_formed"),
+    (ConvergedWithAWideError, "rows_are_well_formed"),
     (BypassesTheCounter, "evaluations_are_counted_per_sample"),
     (NumberWithoutAnswer, "budget_is_kept"),
     (GlobalRandomness, "same_seed_same_answer"),

@@ -25,9 +25,9 @@ from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.growing_design import TARGET_COV, Growth, first_runs
+from uqfold.methods.growing_design import Growth, first_runs
 from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
-from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem

@@ -36,6 +36,7 @@ from uqfold.methods.arguments import (
 from uqfold.methods.result import (
     NO_ANSWER,
     STATUSES,
+    TARGET_COV,
     Estimate,
     ReliabilityResult,
     RunCost,
@@ -163,6 +164,14 @@ class ReliabilityMethod(ABC):
     def stochastic(self) -> bool:
         """Whether another seed gives another answer; False unless a subclass says otherwise."""
         return False
+
+    @property
+    def target_cov(self) -> float | None:
+        """Largest stated error, relative to pf, of a row that is not ``doubtful``; None: 10 %.
+
+        A setting of methods that estimate an error.
+        """
+        return None
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
@@ -314,6 +323,12 @@ class ReliabilityMethod(ABC):
             return Estimate.without_answer("failed", f"pf = {estimate.pf} is not a probability")
         if estimate.status == "converged" and not estimate.states_an_error:
             estimate = replace(estimate, status="unchecked")
+        target = TARGET_COV if self.target_cov is None else self.target_cov
+        answered = estimate.status in ("converged", "budget_exhausted")
+        if answered and estimate.stated_error > target * estimate.pf:
+            wide = f"the stated error is above {100.0 * target:.3g}% of pf"
+            said = f"{estimate.message}; {wide}" if estimate.message else wide
+            estimate = replace(estimate, status="doubtful", message=said)
         if session.n_failed == 0 or session.failed_runs == "count-as-failure":
             return estimate
         if session.n_failed == session.n_evals:

@@ -9,11 +9,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from uqfold.checks import keep, or_none, whole
+from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task
 from uqfold.methods.conditional_sums import BLOCK_DRAWS, ConditionalSums
-from uqfold.methods.result import Estimate
+from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import CONDITIONAL_MONTE_CARLO
@@ -66,6 +66,8 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     missions_per_draw
         Missions simulated for each shared draw: at least this many, and at least as many as the
         criteria name.
+    target_cov
+        Largest standard error, relative to pf, of a row that is not ``doubtful``.
 
     Raises
     ------
@@ -89,10 +91,12 @@ class ConditionalMonteCarlo(ReliabilityMethod):
 
     blocks: int | None = None
     missions_per_draw: int = 4
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
         keep(self, "blocks", or_none, whole, at_least=2)
         keep(self, "missions_per_draw", whole, at_least=1)
+        keep(self, "target_cov", real, above=0.0)
 
     @property
     def stochastic(self) -> bool:

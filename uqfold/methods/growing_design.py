@@ -16,8 +16,6 @@ from uqfold.surrogates.designs import space_filling_design
 
 FEWEST_RUNS, RUNS_PER_INPUT = 100, 5
 """The first design where the settings leave it open: so many runs, or so many for each input."""
-TARGET_COV = 0.1
-"""Stated error, relative to pf or to the reliability, that is aimed for by default."""
 # How far beyond the target the stated error may be foreseen before growing is given up.
 _FORESEEN = 3.0
 

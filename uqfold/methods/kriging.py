@@ -11,8 +11,9 @@ from uqfold.evaluation import TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns
-from uqfold.methods.growing_design import TARGET_COV, grown
+from uqfold.methods.growing_design import grown
 from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
+from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.problems.base import Problem

@@ -71,7 +71,7 @@ class MonteCarlo(ReliabilityMethod):
         what takes 5 million runs. One system costs n units times the most missions of the grid.
     target_cov
         Stop early once the coefficient of variation of every criterion is at most this; None:
-        never.
+        never. A row with a larger one, or with more than 10 % under None, is ``doubtful``.
 
     Raises
     ------
@@ -163,10 +163,7 @@ class MonteCarlo(ReliabilityMethod):
         ci_low, ci_high = clopper_pearson(low, n, LEVEL)[0], clopper_pearson(high, n, LEVEL)[1]
         status: Status = "converged"
         messages = []
-        if self.target_cov is not None and counts.cov(i) > self.target_cov:
-            status = "budget_exhausted"
-            messages.append(f"{n} systems, coefficient of variation above {self.target_cov:g}")
-        elif missing > 0:
+        if missing > 0:
             status = "budget_exhausted"
             messages.append(f"{n} of {n + missing} systems")
         if stopped:

@@ -76,7 +76,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
     Attributes
     ----------
     target_cov
-        Stop once the coefficient of variation is at most this.
+        Stop once the coefficient of variation is at most this; a row with more is ``doubtful``.
     block_size
         Systems per block; the stopping rule is tested after each block.
     max_samples
@@ -132,9 +132,9 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
                     f"one system can cost {event.max_evals_per_sample} runs, but the share of "
                     f"this criterion is {share}",
                 )
-            run, cov, stopped = self._simulate(task, event, block_size, blocks, share)
+            run, stopped = self._simulate(task, event, block_size, blocks, share)
             runs.append(run)
-            return self._estimate(run, cov, stopped, session.n_evals - before)
+            return self._estimate(run, stopped, session.n_evals - before)
 
         estimates = [
             attempt(partial(answer, event, len(events) - i)) for i, event in enumerate(events)
@@ -160,8 +160,8 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     def _simulate(
         self, task: Task, event: SystemEvent, block_size: int, blocks: int, share: int | None
-    ) -> tuple[SimulationRun, float, str]:
-        """Run OpenTURNS on one event; also give its coefficient of variation, and what cut it."""
+    ) -> tuple[SimulationRun, str]:
+        """Run OpenTURNS on one event; also tell what cut it short."""
         ot = openturns()
         session = task.session
         limit = math.inf if share is None else session.n_evals + share
@@ -210,17 +210,15 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         run = SimulationRun(event.criterion, n, failures, open_samples, block_size)
         if raised:
             # the blocks before the wall-clock limit are an answer
-            cov = math.sqrt((n - failures) / (failures * n)) if failures else math.inf
-            return run, cov, str(raised[0])
-        result = algorithm.getResult()
-        reported = result.getProbabilityEstimate()
+            return run, str(raised[0])
+        reported = algorithm.getResult().getProbabilityEstimate()
         if n == 0 or abs(reported - failures / n) > 1e-9:
             raise RuntimeError(
                 f"OpenTURNS reports pf = {reported}, but {failures} of {n} samples failed"
             )
-        return run, float(result.getCoefficientOfVariation()), ""
+        return run, ""
 
-    def _estimate(self, run: SimulationRun, cov: float, stopped: str, n_evals: int) -> Estimate:
+    def _estimate(self, run: SimulationRun, stopped: str, n_evals: int) -> Estimate:
         n, high, low = run.n_samples, run.failures, run.failures - run.open_samples
         pf = high / n
         status: Status = "converged"
@@ -229,11 +227,6 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         if certain:
             status = "doubtful"
             message = f"{'no' if high == 0 else 'only'} failures among {n} samples"
-        elif cov > self.target_cov:
-            status = "budget_exhausted"
-            message = (
-                f"coefficient of variation {cov:.2g} after {n} samples, not {self.target_cov:g}"
-            )
         return Estimate(
             pf=pf,
             reliability=(n - high) / n,

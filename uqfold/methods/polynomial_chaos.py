@@ -16,8 +16,9 @@ from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
-from uqfold.methods.growing_design import TARGET_COV, grown
+from uqfold.methods.growing_design import grown
 from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
+from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.moments.quadrature import tensor_grid

@@ -23,6 +23,9 @@ STATUSES: tuple[Status, ...] = get_args(Status)
 """All statuses, from the best to the worst; see ``docs/conventions.md``."""
 ErrorKind: TypeAlias = Literal["sampling", "surrogate", "none"]
 NO_ANSWER: frozenset[str] = frozenset({"unsupported", "failed"})
+TARGET_COV = 0.1
+"""Largest stated error, relative to pf, of a row that is not ``doubtful``, where none is set."""
+_T95 = 1.96
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,9 @@ class Estimate:
     error_kind
         What `std_error` and the interval cover: ``sampling``, ``surrogate`` or ``none``.
     status
-        ``converged`` only where the stated error was met or estimated; without a standard error
-        and without an interval the base makes it ``unchecked``.
+        ``converged`` only where the stated error was met or estimated. Without a standard error
+        and without an interval the base makes it ``unchecked``; with an error above the target of
+        the method (`ReliabilityMethod.target_cov`), ``doubtful``.
     n_evals_row
         Runs spent on this criterion alone; None: the whole run's.
     """
@@ -80,8 +84,15 @@ class Estimate:
     @property
     def states_an_error(self) -> bool:
         """Whether it has a standard error or an interval."""
-        interval = math.isfinite(self.ci_low) and math.isfinite(self.ci_high)
-        return interval or math.isfinite(self.std_error)
+        return math.isfinite(self.stated_error)
+
+    @property
+    def stated_error(self) -> float:
+        """The standard error; where it is zero or missing, what the interval stands for; or NaN."""
+        by_interval = (self.ci_high - self.ci_low) / (2.0 * _T95)
+        if self.std_error > 0.0 or not math.isfinite(by_interval):
+            return self.std_error
+        return by_interval
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,13 @@ from dataclasses import FrozenInstanceError, fields, is_dataclass
 import numpy as np
 
 from uqfold.methods.base import ReliabilityMethod
-from uqfold.methods.result import NO_ANSWER, STATUSES, ReliabilityResult, reliability_index
+from uqfold.methods.result import (
+    NO_ANSWER,
+    STATUSES,
+    TARGET_COV,
+    ReliabilityResult,
+    reliability_index,
+)
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, criteria
 from uqfold.testing.counting import RowCount
@@ -119,6 +125,11 @@ def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
         demand(
             states or row.status != "converged",
             where + 'status "converged" without a standard error and without an interval',
+        )
+        target = TARGET_COV if method.target_cov is None else method.target_cov
+        demand(
+            row.status != "converged" or not row.std_error > target * row.pf,
+            where + f'status "converged" with std_error = {row.std_error}, pf = {row.pf}',
         )
         if row.error_kind == "none":
             demand(math.isnan(row.std_error), where + 'error_kind "none" with a standard error')
