@@ -679,7 +679,11 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "methods.ConditionalMonteCarlo": Call(
             methods.ConditionalMonteCarlo,
-            {"blocks": optional(count()), "missions_per_draw": count()},
+            {
+                "blocks": optional(count()),
+                "missions_per_draw": count(),
+                "target_cov": number(),
+            },
         ),
         "methods.Estimate": Call(methods.Estimate, estimate),
         "methods.FFNIPearson": Call(
