@@ -32,10 +32,13 @@ QUESTIONS = {
     "tau": Criterion(13.0, 3.5),
     "random missions": Criterion(12.5, None, Binomial(4, 0.7)),
 }
-CURVED_QUESTIONS = {
-    "curved, body": Criterion(12.0),
-    "curved, pf near 0.02": Criterion(13.5),
+KNOWN = {name: Reference(one, SYSTEM.pf(one), 0.0) for name, one in QUESTIONS.items()}
+"""Questions to methods that sample, with their answers."""
+CURVED_KNOWN = {
+    name: Reference(Criterion(threshold), CURVED.pf(threshold), 0.0)
+    for name, threshold in (("curved, body", 12.0), ("curved, pf near 0.02", 13.5))
 }
+"""Questions to methods that fit a surface, with their answers."""
 EVALS = 6_000
 """Runs of a method that samples; surrogates take as few as they like."""
 LEAST = 0.9
@@ -59,20 +62,11 @@ def fits(method: ReliabilityMethod) -> bool:
     return isinstance(method, SequentialMethod)
 
 
-def known(method: ReliabilityMethod) -> dict[str, Reference]:
-    """Return question -> exact answer, of the questions that a method is asked."""
-    if fits(method):
-        exact = {name: CURVED.pf(one.threshold) for name, one in CURVED_QUESTIONS.items()}
-        return {name: Reference(CURVED_QUESTIONS[name], pf, 0.0) for name, pf in exact.items()}
-    return {name: Reference(one, SYSTEM.pf(one), 0.0) for name, one in QUESTIONS.items()}
-
-
 def repeats(name: str, seeds: range) -> pd.DataFrame:
     """Ask one method all its questions with many seeds; what it does not answer is left out."""
     method = methods()[name]
-    problem = (CURVED if fits(method) else SYSTEM).problem()
-    asked = known(method)
-    ask = partial(answers, method, problem, [*asked.values()], max_evals=EVALS)
+    problem, asked = (CURVED, CURVED_KNOWN) if fits(method) else (SYSTEM, KNOWN)
+    ask = partial(answers, method, problem.problem(), [*asked.values()], max_evals=EVALS)
     rows = pd.concat([ask(seed=seed).assign(question=[*asked]) for seed in seeds])
     return rows[rows["pf"].notna()]
 

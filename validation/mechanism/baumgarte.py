@@ -9,44 +9,23 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from uqfold.mechanism import WingParameters
 from validation.mechanism.bodies import Bodies
-from validation.mechanism.independent import follow
-
-
-@dataclass(frozen=True, eq=False)
-class BaumgarteMotion:
-    """Motion of one wing at the n points that the steps ended on.
-
-    Attributes
-    ----------
-    time
-        Time (n,) in s.
-    states
-        The nine coordinates in m and rad, and their rates, (n, 18).
-    position_drift, velocity_drift
-        Largest violation (n,) of a constraint (m, rad), and of its rate (m/s, rad/s).
-    deployment_time
-        Time of the lock (s), +inf without one.
-    """
-
-    time: np.ndarray
-    states: np.ndarray
-    position_drift: np.ndarray
-    velocity_drift: np.ndarray
-    deployment_time: float
 
 
 class Multibody:
-    """Eqs. (10) to (20) for one wing, as `follow` takes them; alpha and beta in 1/s."""
+    """Eqs. (10) to (20) for one wing, as `follow` takes them.
+
+    The drift of the constraints depends on the stabilization coefficients alpha and beta (1/s), the
+    motion does not.
+    """
 
     slider = 6
 
-    def __init__(self, p: WingParameters, alpha: float, beta: float) -> None:
+    def __init__(self, p: WingParameters, alpha: float = 50.0, beta: float = 50.0) -> None:
         self.p, self.alpha, self.beta = p, alpha, beta
         self.bodies = Bodies(p)
         m, J = self.bodies.mass, self.bodies.inertia
@@ -84,24 +63,3 @@ class Multibody:
         gamma = np.array([-crank.real, -crank.imag, 0.0, 0.0]) * y[11] ** 2
         right = gamma - 2.0 * self.alpha * phi_rate - self.beta**2 * phi
         return np.concatenate([state[9:], np.linalg.solve(matrix, np.append(Q, right))[:9]])
-
-
-def baumgarte_motion(
-    parameters: WingParameters, alpha: float = 50.0, beta: float = 50.0, rtol: float = 1e-9
-) -> BaumgarteMotion:
-    """Return the motion of one wing by Eq. (20), up to the lock, or to t_max without one.
-
-    Parameters
-    ----------
-    parameters
-        The wing.
-    alpha, beta
-        Stabilization coefficients (1/s): the drift depends on them, the motion does not.
-    rtol
-        Relative tolerance of the time steps; the absolute one is a hundredth.
-    """
-    multibody = Multibody(parameters, alpha, beta)
-    time, states, locked = follow(multibody, rtol, rtol / 100)
-    drift = np.array([multibody.constraints(state) for state in states])
-    position, velocity = np.abs(drift).max(axis=2).T
-    return BaumgarteMotion(time, states, position, velocity, locked)

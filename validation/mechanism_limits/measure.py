@@ -28,6 +28,7 @@ from uqfold.mechanism import Trajectory, WingParameters, deployment_times, traje
 from uqfold.mechanism.contact import contact_forces
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.mechanism import ideal_joints
+from validation.mechanism.bodies import Bodies
 from validation.mechanism.parameter_sets import parameter_sets
 
 CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)
@@ -86,27 +87,25 @@ def momentum_change(
 ) -> float:
     """Change of momentum beyond the impulse from outside, over the impulse of the contact.
 
-    The inertia comes from the definitions (19), the loads from (13), (14) and (16).
+    Masses and loads come from `bodies.py`.
     """
-    m_1, m_2 = p.rho_1 * p.l_1 * p.w_1 * p.b, p.rho_2 * p.l_2 * p.w_2 * p.b
-    m_3 = p.rho_3 * p.V_3
+    bodies = Bodies(p)
+    (m_1, m_2, m_3), (J_1, J_2, _) = bodies.mass, bodies.inertia
     t, q, v = m.time[points], m.coordinates[points], m.velocities[points].copy()
     if fault == "momentum":
         # the rod keeps 0.1 % more of the speed that an impact gave it
         v[:, 1] *= 1.001
-    sine_1, sine_2 = np.abs(np.sin(q[:, 0])), np.abs(np.sin(q[:, 3]))
-    push = 0.5 * p.rho_a * p.C_0 * p.b * p.V_q**2
-    load_1 = push * p.l_1 * sine_1 + m_1 * p.g * math.sin(p.delta)
-    load_2 = push * p.l_2 * sine_2 + m_2 * p.g * math.sin(p.delta)
+    load_1, load_2 = (
+        bodies.weight[i] + bodies.drag[i] * np.abs(np.sin(angle))
+        for i, angle in enumerate((q[:, 0], q[:, 3]))
+    )
     if joint == 1:
         drive = p.k_d * np.clip(np.minimum(100.0 * t, 62.0 - 100.0 * t), 0.0, 1.0)
-        load_3 = drive + m_3 * p.g * math.sin(p.delta)
+        load_3 = drive + bodies.weight[2]
         whole, part = m_2 * v[:, 1] + m_3 * v[:, 4], m_3 * v[:, 4]
         outside, on_part = load_2 + load_3, load_3
     else:
-        about_A = m_1 * (p.l_1**2 / 3.0 + p.w_1**2 / 12.0)
-        J_2 = m_2 * (p.l_2**2 + p.w_2**2) / 12.0
-        part = about_A * v[:, 0]
+        part = (J_1 + m_1 * p.l_1**2 / 4.0) * v[:, 0]
         whole = part + m_2 * (q[:, 1] * v[:, 2] - q[:, 2] * v[:, 1]) + J_2 * v[:, 3]
         on_part = -load_1 * 0.5 * p.l_1 * np.sin(q[:, 0])
         outside = on_part - load_2 * q[:, 2]
