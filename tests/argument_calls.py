@@ -305,6 +305,8 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "KOutOfN": Call(uqfold.KOutOfN, {"k": count()}),
         "Parallel": Call(uqfold.Parallel, {}),
+        "PathSets": Call(uqfold.PathSets, {"sets": numbers([[0, 1]])}),
+        "Structure": Call(uqfold.Structure, {"expression": anything("a & b")}),
         "Series": Call(uqfold.Series, {}),
         "Problem": Call(
             uqfold.Problem,

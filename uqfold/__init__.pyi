@@ -26,7 +26,9 @@ from uqfold.problems.structure import (
     CutSets as CutSets,
     KOutOfN as KOutOfN,
     Parallel as Parallel,
+    PathSets as PathSets,
     Series as Series,
+    Structure as Structure,
 )
 
 __version__: str

@@ -25,7 +25,7 @@ from uqfold.methods.seeding import block_generator, reduced_seed
 from uqfold.problems import Problem
 from uqfold.problems.base import Unit
 from uqfold.problems.criterion import Criterion, criteria
-from uqfold.problems.structure import KOutOfN, Parallel
+from uqfold.problems.structure import Parallel
 from uqfold.testing import LinearNormalSystem
 
 SYSTEM = LinearNormalSystem()
@@ -181,19 +181,20 @@ def test_criteria_are_needed_unless_the_problem_has_its_own() -> None:
 
 
 @pytest.mark.parametrize(
-    "options",
+    ("options", "tau"),
     [
-        {"units": [Unit(offset=0.1), Unit()]},
-        {"units": 3, "structure": Parallel()},
-        {"units": 3, "structure": KOutOfN(2)},
+        ({"units": [Unit(offset=0.1), Unit()]}, None),
+        ({"units": 3, "structure": Parallel()}, 1.0),
     ],
 )
 @pytest.mark.parametrize("name", list(available()))
-def test_what_no_method_uses_yet_is_unsupported(name: str, options: dict[str, object]) -> None:
+def test_what_no_method_uses_yet_is_unsupported(
+    name: str, options: dict[str, object], tau: float | None
+) -> None:
     problem = Problem(
         SYSTEM.response, inputs=SYSTEM.problem().inputs.distribution, shared=["V"], **options
     )  # type: ignore[arg-type]
-    row = build(name).estimate(problem, criteria(1.0))[0]
+    row = build(name).estimate(problem, criteria(1.0, tau))[0]
     assert row.status == "unsupported"
     assert row.n_evals == 0
 

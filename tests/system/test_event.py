@@ -1,6 +1,7 @@
 """The system event against definitions written out by hand, and against exact probabilities."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from uqfold import Binomial, Criterion
 from uqfold.inputs import normal
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.system.event import SystemEvent, mission_fails, mission_margin
+from uqfold.system.structure import SystemUnits
 from uqfold.testing import LinearNormalSystem
 from uqfold.typing import FloatArray
 
@@ -223,7 +225,31 @@ class TestLayout:
     def test_other_systems_are_refused(self, options: dict) -> None:
         problem = uqfold.Problem(response, individual=[normal(0, 1)] * 3, **options)
         with pytest.raises(ValueError, match="no system event"):
-            SystemEvent(problem, Criterion(11.0))
+            SystemEvent(problem, Criterion(11.0, tau=1.0))
+
+    @pytest.mark.parametrize("failed", [(0, 1, 0), (1, 0, 1), (0, 0, 1), (1, 1, 1)])
+    @pytest.mark.parametrize(
+        ("structure", "must_fail"),
+        [
+            (uqfold.Parallel(), all),
+            (uqfold.KOutOfN(2), lambda f: sum(f) >= 2),
+            (uqfold.CutSets([[0, 1], [2]]), lambda f: f[2] or (f[0] and f[1])),
+        ],
+    )
+    def test_a_structure_decides_what_failed_units_mean(
+        self, structure: Any, must_fail: Any, failed: tuple[int, ...]
+    ) -> None:
+        """Structures other than series had no event; a failed run is a unit that may fail."""
+        units = SystemUnits.of(uqfold.Problem(response, individual=[normal(0, 1)], units=3,
+                                              structure=structure))  # fmt: skip
+        y = np.where(failed, 2.0, 0.5)
+        expected = bool(must_fail(failed))
+        margin = mission_margin(y, 1.0, None, missing_fails=True, units=units)
+        assert mission_fails(y, 1.0, None, missing_fails=True, units=units) == expected
+        assert (margin > 0.0) == expected
+        lost = np.where(failed, np.nan, 0.5)
+        assert mission_fails(lost, 1.0, None, missing_fails=True, units=units) == expected
+        assert not mission_fails(lost, 1.0, None, missing_fails=False, units=units)
 
 
 class TestFailedRuns:

@@ -7,6 +7,7 @@ what is found.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -26,6 +27,7 @@ from uqfold.methods.ask_tell import Steps
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.kriging import KernelChoice, Trend
 from uqfold.problems.criterion import Criterion
+from uqfold.problems.structure import Series
 from uqfold.typing import FloatArray
 
 HONEST = MonteCarlo(systems=3000)
@@ -109,6 +111,16 @@ class ForgetsTau(_FromMonteCarlo):
 
     def _task(self, task: Task) -> Task:
         return replace(task, criteria=tuple(replace(c, tau=None) for c in task.criteria))
+
+
+@dataclass(frozen=True)
+class ForgetsStructure(_FromMonteCarlo):
+    """Answers as if every unit had to work."""
+
+    def _task(self, task: Task) -> Task:
+        problem = copy(task.problem)
+        object.__setattr__(problem, "structure", Series())
+        return replace(task, problem=problem)
 
 
 @dataclass(frozen=True)
@@ -402,6 +414,7 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (ForgetsMissions, "shared_inputs_correlate_units"),
     (IndependentUnits, "shared_inputs_correlate_units"),
     (ForgetsTau, "synchronization"),
+    (ForgetsStructure, "structures"),
     (Biased, "plain_limit_state"),
     (Biased, "scale_and_shift"),
     (Biased, "order_of_inputs_does_not_matter"),

@@ -208,8 +208,8 @@ def _of_systems(
 ) -> Iterator[FloatArray]:
     """Scores (size,) of whole systems, for each criterion the missions that it looks at."""
     per_mission = np.zeros(block.rows.shape)
-    per_mission[block.rows] = of_individual.reshape(-1, block.units).sum(axis=1)
-    shared = _first_of_each(block.units * block.rows.sum(axis=1), of_shared)
+    per_mission[block.rows] = of_individual.reshape(-1, block.units.count).sum(axis=1)
+    shared = _first_of_each(block.units.count * block.rows.sum(axis=1), of_shared)
     mission = np.arange(block.rows.shape[1])
     for criterion in block.criteria:
         flies = mission < block.flown[criterion.missions][:, None]

@@ -34,6 +34,7 @@ from uqfold.methods.seeding import RandomSource, block_generator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.refinement import TOLERANCE
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_index
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import Surface
@@ -65,7 +66,7 @@ def surface_derivatives(
     Parameters
     ----------
     problem
-        Model, inputs and units, exchangeable and in series.
+        Model, inputs and units, exchangeable.
     criteria
         What "works" means; None takes the problem's own default criteria.
     method
@@ -146,9 +147,8 @@ class _Differences:
         cls, fitted: FittedSurface, problem: Problem, criteria: Sequence[Criterion]
     ) -> _Differences:
         inputs = problem.inputs
-        system = laid_out(
-            fitted.surface.mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria
-        )
+        units, mean = SystemUnits.of(problem), fitted.surface.mean
+        system = laid_out(mean, inputs.dimension, inputs.n_shared, units, criteria)
         rng = block_generator(fitted.result.seed, _STREAM)
         paths = fitted.surface.sample_paths(rng, _DRAWS)
         index, changes = _answer(fitted, system, criteria, paths, inputs)

@@ -29,6 +29,7 @@ from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import DEFAULT_SPREAD
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import reliability_index
 from uqfold.system.surface_layout import laid_out
 from uqfold.typing import FloatArray
@@ -208,7 +209,8 @@ def _on_surface(
         mean = fitted.seen_from(fitted.surface.mean, here)
         drawn = fitted.seen_from(paths, here)
         # laid out anew, since the directions that matter change with the distribution
-        system = laid_out(mean, inputs.dimension, inputs.n_shared, problem.n_units, criteria)
+        units = SystemUnits.of(problem)
+        system = laid_out(mean, inputs.dimension, inputs.n_shared, units, criteria)
         resolved &= system.rule.resolved
         responses = system.responses(mean, noise=fitted.noise)
         [found] = system.failures_given(responses, criteria)

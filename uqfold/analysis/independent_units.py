@@ -30,6 +30,7 @@ from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.structure import Series
 from uqfold.system.conditional import independent_failures, system_failures
 from uqfold.system.sampled_dependence import sampled_dependence
 from uqfold.typing import FloatArray
@@ -54,7 +55,7 @@ def independence(
     Parameters
     ----------
     problem
-        Model and inputs of exchangeable units; its own number of units does not matter.
+        Model and inputs of exchangeable units in series; their number does not matter.
     units
         Numbers of units n, each at least 1.
     criteria
@@ -86,6 +87,8 @@ def independence(
     import pandas as pd
 
     checked_problem(problem)
+    if not isinstance(problem.structure, Series):
+        raise refused("problem", problem, "give units in series")
     grid = checked_criteria(problem, criteria)
     numbers = several("units", units, whole, at_least=1)
     if not numbers:

@@ -15,6 +15,7 @@ from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE
 from uqfold.system.missions import over_missions
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface_rule import plan_surface
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
@@ -90,7 +91,7 @@ class Question:
     dimension, n_shared
         Number of variables, and how many of them (the first ones) are shared.
     units
-        Number of exchangeable units in series.
+        The exchangeable units and their structure.
     criteria
         The criteria that are learned from: all, or some spread among many.
     neighbours
@@ -101,7 +102,7 @@ class Question:
 
     dimension: int
     n_shared: int
-    units: int
+    units: SystemUnits
     criteria: tuple[Criterion, ...]
     neighbours: IntArray
     usable: Callable[[FloatArray], BoolArray] | None = None
@@ -117,7 +118,7 @@ class Question:
         return cls(
             inputs.dimension,
             inputs.n_shared,
-            task.problem.n_units,
+            SystemUnits.of(task.problem),
             *_spread_among(task.criteria),
             None if runs.complete else usable,
         )
@@ -129,7 +130,7 @@ class Question:
     @property
     def together(self) -> bool:
         """Whether all units and missions give one response: one of each, or all is shared."""
-        single = self.units == 1 and all(c.missions == 1 for c in self.criteria)
+        single = self.units.count == 1 and all(c.missions == 1 for c in self.criteria)
         return single or self.n_shared == self.dimension
 
     @property

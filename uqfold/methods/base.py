@@ -176,15 +176,17 @@ class ReliabilityMethod(ABC):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
 
-        This default accepts exchangeable units in series. A subclass that adds reasons of its own
-        calls it first.
+        This default accepts exchangeable units in any structure, under tau in series. A subclass
+        that adds reasons of its own calls it first.
         """
         checked_problem(problem)
         instance("criterion", criterion, Criterion, "give a Criterion")
         if not problem.exchangeable:
             return f"{self.name} needs exchangeable units (units=<number>)"
-        if not isinstance(problem.structure, Series):
-            return f"{self.name} needs a series structure, not {problem.structure}"
+        if criterion.tau is not None and not isinstance(problem.structure, Series):
+            return (
+                f"tau compares all units of a mission: it needs Series(), not {problem.structure}"
+            )
         return None
 
     @abstractmethod

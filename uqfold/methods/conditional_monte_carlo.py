@@ -26,7 +26,7 @@ CHUNK_BLOCKS = 32
 WITHOUT_A_BUDGET = 256
 """Blocks when neither a number nor a budget is given."""
 ARRANGEMENTS = 6
-"""Ways in which the responses of a draw are put together to missions under tau."""
+"""Ways in which the responses of a draw are put together to missions, where missions count."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         sums = ConditionalSums(task, missions)
         arrangements: deque[IntArray] = deque()
 
-        # under tau the responses of a block are there in every arrangement
+        # the responses of a block may be there in every arrangement
         values = per_block * max(task.problem.inputs.dimension, ARRANGEMENTS)
         at_once = max(1, min(CHUNK_BLOCKS, BLOCK_VALUES // values))
 

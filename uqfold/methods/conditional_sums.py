@@ -11,6 +11,7 @@ from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
 from uqfold.system.event import Worst
 from uqfold.system.failure_counts import failure_by_count
+from uqfold.system.structure import SystemUnits
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
 
@@ -30,7 +31,8 @@ class ConditionalSums:
     """
 
     def __init__(self, task: Task, missions: int) -> None:
-        self.criteria, self.units, self.missions = task.criteria, task.problem.n_units, missions
+        self.criteria, self.missions = task.criteria, missions
+        self.units = SystemUnits.of(task.problem)
         self.blocks = 0
         self.mean = np.zeros((2, len(self.criteria)))
         self.squares = np.zeros_like(self.mean)
@@ -39,13 +41,14 @@ class ConditionalSums:
         self.powers = np.zeros((2, 3, len(self.criteria)))
         self.lowest = np.full(len(self.criteria), np.inf)
         self.highest = np.full(len(self.criteria), -np.inf)
+        count = self.units.count
         tables = {
-            (own, synchronized): failure_by_count(missions, 1, own)
-            if synchronized
-            else failure_by_count(missions * self.units, self.units, own)
-            for own, synchronized in {(c.missions, c.tau is not None) for c in self.criteria}
+            (own, whole): failure_by_count(missions, 1, own)
+            if whole
+            else failure_by_count(missions * count, count, own)
+            for own, whole in {(c.missions, self._by_missions(c.tau)) for c in self.criteria}
         }
-        self.tables = [tables[c.missions, c.tau is not None] for c in self.criteria]
+        self.tables = [tables[c.missions, self._by_missions(c.tau)] for c in self.criteria]
         self.asked: dict[tuple[float, float | None], list[int]] = {}
         for i, c in enumerate(self.criteria):
             self.asked.setdefault((c.threshold, c.tau), []).append(i)
@@ -59,13 +62,13 @@ class ConditionalSums:
         lowest, highest = self.lowest.copy(), self.highest.copy()
         for j, missing_fails in enumerate(variants):
             worst = {
-                synchronized: self._worst(y, ways, synchronized, missing_fails)
-                for synchronized in {tau is not None for _, tau in self.asked}
+                whole: self._worst(y, ways, whole, missing_fails)
+                for whole in {self._by_missions(tau) for _, tau in self.asked}
             }
             for (threshold, tau), rows in self.asked.items():
                 check_time()
                 # (blocks, arrangements, draws)
-                count = worst[tau is not None].fails(threshold, tau).sum(axis=-1)
+                count = worst[self._by_missions(tau)].fails(threshold, tau).sum(axis=-1)
                 for i in rows:
                     table = self.tables[i]
                     found = table[count]
@@ -89,18 +92,22 @@ class ConditionalSums:
         self.squares += change**2 * before * share
         self.mean += change * share
 
-    def _worst(
-        self, y: FloatArray, ways: IntArray, synchronized: bool, missing_fails: bool
-    ) -> Worst:
-        """Return the worst of single responses, or under tau of missions in every arrangement.
+    def _by_missions(self, tau: float | None) -> bool:
+        """Whether missions are counted, since failures of units do not tell those of a mission."""
+        return tau is not None or self.units.diagram is not None
+
+    def _worst(self, y: FloatArray, ways: IntArray, whole: bool, missing_fails: bool) -> Worst:
+        """Return the worst of single responses, or of whole missions in every arrangement.
 
         Shape (blocks, arrangements, draws, responses or missions).
         """
-        if not synchronized:
-            return Worst.of_missions(y[:, None, :, :, None], missing_fails=missing_fails)
+        if not whole:
+            alone = y[:, None, :, :, None]
+            return Worst.of_missions(alone, missing_fails=missing_fails)
         arranged = np.take_along_axis(y[:, None], ways[:, :, None, :], axis=-1)
-        shape = (*arranged.shape[:-1], self.missions, self.units)
-        return Worst.of_missions(arranged.reshape(shape), missing_fails=missing_fails)
+        shape = (*arranged.shape[:-1], self.missions, self.units.count)
+        of_missions = arranged.reshape(shape)
+        return Worst.of_missions(of_missions, missing_fails=missing_fails, units=self.units)
 
     def _uneven(self, i: int) -> tuple[str, float]:
         """What rests on so few of the shared draws that the stated error is not to be believed.

@@ -13,6 +13,7 @@ from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.structure import SystemUnits
 
 DoubtsAbout: TypeAlias = Callable[[Sequence[Criterion], Sequence[SystemProbability]], list[str]]
 """Why each answer is ``doubtful``; an empty text where it is not."""
@@ -30,7 +31,7 @@ def system_estimates(
     Parameters
     ----------
     task
-        Criteria and number of units.
+        Criteria, units and their structure.
     responses, details
         From `conditional_responses`.
     doubts
@@ -38,7 +39,7 @@ def system_estimates(
     doubts_about
         Why single ones are.
     """
-    units = task.problem.n_units
+    units = SystemUnits.of(task.problem)
     doubts = [*doubts, *doubts_about_responses(details)]
     # a failed run may have had any response, and then any distribution belongs to its node
     known = [

@@ -42,6 +42,7 @@ from uqfold.methods.theory_of_simulation import FORM
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.linearised import linearised_failure
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 Algorithm: TypeAlias = Literal["AbdoRackwitz", "SQP", "Cobyla"]
@@ -133,6 +134,7 @@ class OpenTURNSFORM(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         problem, session = task.problem, task.session
+        units = SystemUnits.of(problem)
         response = StandardSpaceResponse(
             problem.inputs, session, self.step, allowed=session.remaining
         )
@@ -154,7 +156,7 @@ class OpenTURNSFORM(ReliabilityMethod):
             if math.isinf(criterion.threshold):
                 message = f"T = {criterion.threshold}: FORM sees no infinite responses"
                 pf, reliability = linearised_failure(
-                    criterion.threshold, 0.0, problem.n_units, criterion.missions
+                    criterion.threshold, 0.0, units, criterion.missions
                 )
                 return Estimate(pf, reliability, status="doubtful", message=message)
             point = points[criterion.threshold]
@@ -162,7 +164,7 @@ class OpenTURNSFORM(ReliabilityMethod):
             if status == "failed":
                 return Estimate.without_answer("failed", message)
             pf, reliability = linearised_failure(
-                point.beta_hl, point.shared_fraction, problem.n_units, criterion.missions
+                point.beta_hl, point.shared_fraction, units, criterion.missions
             )
             spent = n_start + point.n_evals
             return Estimate(pf, reliability, status=status, message=message, n_evals_row=spent)

@@ -21,6 +21,7 @@ from uqfold.methods.result import Estimate
 from uqfold.problems.criterion import Binomial, Missions
 from uqfold.system.conditional import grouped
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray, IntArray
 
 _NORMAL_95 = 1.959963984540054
@@ -71,7 +72,7 @@ def sampled_failure(
     TimeLimitError
         If the time is over before every node has had its first turn.
     """
-    missions = max(c.max_missions for c in task.criteria)
+    units, missions = SystemUnits.of(task.problem), max(c.max_missions for c in task.criteria)
     per_row = missions * task.problem.n_units
     if per_row > _CHUNK_VALUES:
         raise ValueError(
@@ -90,7 +91,7 @@ def sampled_failure(
             for k, (response, rng) in enumerate(zip(responses, streams, strict=True)):
                 task.session.check_time()
                 y = _sample(response, rng, (size, missions, task.problem.n_units))
-                turn[:, k] = _sums(task, y)
+                turn[:, k] = _sums(task, y, units)
             sums += turn
             drawn += size
     except TimeLimitError as error:
@@ -131,7 +132,7 @@ def sampled_failure(
     return estimates
 
 
-def _sums(task: Task, y: FloatArray) -> FloatArray:
+def _sums(task: Task, y: FloatArray, units: SystemUnits) -> FloatArray:
     """Sum and sum of squares (2, C) of the failure of rows y (size, missions, units).
 
     A row's failure is 0 or 1, or its mean over the binomial number of missions. Whether its first
@@ -145,7 +146,7 @@ def _sums(task: Task, y: FloatArray) -> FloatArray:
             (_shares(missions), some)
             for missions, some in grouped(criteria, lambda criterion: criterion.missions)
         ]
-        late = np.maximum.accumulate(_latest(y, tau), axis=1)
+        late = np.maximum.accumulate(_latest(y, tau, units), axis=1)
         sums = np.zeros((2, len(rows)))
         for k in range(y.shape[1]):
             concerned = [
@@ -162,8 +163,13 @@ def _sums(task: Task, y: FloatArray) -> FloatArray:
     return found
 
 
-def _latest(y: FloatArray, tau: float | None) -> FloatArray:
-    """Largest response (size, missions) of each mission; +inf where it fails whatever T is."""
+def _latest(y: FloatArray, tau: float | None, units: SystemUnits) -> FloatArray:
+    """Largest response (size, missions) of each mission, or that which decides its structure.
+
+    +inf where it fails whatever T is.
+    """
+    if units.diagram is not None:
+        return units.response(np.where(np.isnan(y), np.inf, y))
     highest = y.max(axis=2)  # NaN, a failed run, stays NaN
     fails = np.isnan(highest)
     if tau is not None:

@@ -27,6 +27,7 @@ from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import MAX_POINTS, Surface
@@ -221,7 +222,7 @@ def _answered(
     problem = task.problem
     inputs = problem.inputs
     system = laid_out(
-        surface.mean, inputs.dimension, inputs.n_shared, problem.n_units, task.criteria,
+        surface.mean, inputs.dimension, inputs.n_shared, SystemUnits.of(problem), task.criteria,
         max_points, complete=runs.complete,
     )  # fmt: skip
     outcomes = None if runs.complete else runs.outcomes

@@ -14,6 +14,7 @@ import numpy as np
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, Missions
 from uqfold.system.event import Worst
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 BLOCK_SYSTEMS = 4096
@@ -70,7 +71,7 @@ class SystemBlock:
     rows
         Which missions (size, missions) these are; each system flies its first ones.
     units
-        Number of units.
+        The units and their structure.
     flown
         How many missions (size,) each mission profile looks at.
     """
@@ -78,12 +79,12 @@ class SystemBlock:
     criteria: Sequence[Criterion]
     x: FloatArray
     rows: BoolArray
-    units: int
+    units: SystemUnits
     flown: Mapping[Missions, IntArray]
 
     def first(self, n_rows: int) -> SystemBlock:
         """Return the systems whose rows are all among the first ones, perhaps none."""
-        ends = np.cumsum(self.rows.sum(axis=1)) * self.units
+        ends = np.cumsum(self.rows.sum(axis=1)) * self.units.count
         complete = int(np.searchsorted(ends, n_rows, side="right"))
         rows = int(ends[complete - 1]) if complete else 0
         flown = {profile: count[:complete] for profile, count in self.flown.items()}
@@ -133,7 +134,8 @@ class SystemBlock:
 
     def _worst(self, responses: FloatArray, missing_fails: bool) -> dict[Missions, Worst]:
         """Return the worst of each system (size,) under each mission profile."""
-        missions = Worst.of_missions(responses.reshape(-1, self.units), missing_fails=missing_fails)
+        y = responses.reshape(-1, self.units.count)
+        missions = Worst.of_missions(y, missing_fails=missing_fails, units=self.units)
         size, most = self.rows.shape
         system = np.arange(size)
         # column k: the worst of the first k missions
@@ -152,7 +154,7 @@ def draw_systems(
     Parameters
     ----------
     problem
-        Inputs and number of exchangeable units.
+        Inputs, units and structure.
     criteria
         What will be asked of the systems; they fly as many missions as the longest of them.
     rng
@@ -175,7 +177,7 @@ def draw_systems(
     rows = np.arange(missions) < longest[:, None]
     x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
     x = x.reshape(*shape, inputs.dimension)[rows].reshape(-1, inputs.dimension)
-    return SystemBlock(criteria, x, rows, problem.n_units, flown)
+    return SystemBlock(criteria, x, rows, SystemUnits.of(problem), flown)
 
 
 def _missions_flown(missions: Missions, chance: FloatArray) -> IntArray:

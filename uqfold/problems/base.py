@@ -26,7 +26,7 @@ from uqfold.checks import (
 from uqfold.inputs import JointInputs, joint_inputs, product_inputs
 from uqfold.problems.criterion import Criteria, criteria
 from uqfold.problems.responses import numbers_in
-from uqfold.problems.structure import CutSets, KOutOfN, Parallel, Series, Structure
+from uqfold.problems.structure import Series, SystemStructure, checked_structure
 from uqfold.typing import FloatArray, Model
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ class Problem:
     model: Model
     inputs: JointInputs
     units: int | tuple[Unit, ...]
-    structure: Structure
+    structure: SystemStructure
     low_fidelity: Model | None
     version: str | None
     name: str
@@ -133,7 +133,7 @@ class Problem:
         shared: Any = None,
         individual: Any = None,
         units: int | Sequence[Unit] = 1,
-        structure: Structure | None = None,
+        structure: SystemStructure | None = None,
         low_fidelity: Model | None = None,
         version: str | None = None,
         name: str | None = None,
@@ -166,7 +166,7 @@ class Problem:
             "model": model,
             "inputs": joint,
             "units": _checked_units(units),
-            "structure": Series() if structure is None else _checked_structure(structure),
+            "structure": Series() if structure is None else structure,
             "low_fidelity": low_fidelity,
             "version": or_none("version", version, text),
             "name": text("name", name, empty=True),
@@ -180,7 +180,8 @@ class Problem:
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
-        _check_structure(self.structure, self.n_units)
+        if self.structure != Series():
+            checked_structure(self.structure, self.unit_names)
 
     @classmethod
     def from_limit_state(
@@ -250,6 +251,12 @@ class Problem:
         return self.units if isinstance(self.units, int) else len(self.units)
 
     @property
+    def unit_names(self) -> tuple[str, ...]:
+        """What a `Structure` calls each unit: its own name, else ``u`` and its index from 0."""
+        own = ("",) * self.units if isinstance(self.units, int) else [u.name for u in self.units]
+        return tuple(name or f"u{i}" for i, name in enumerate(own))
+
+    @property
     def exchangeable(self) -> bool:
         """Whether all units share one model and one distribution."""
         return isinstance(self.units, int)
@@ -294,27 +301,7 @@ def _checked_units(units: Any) -> int | tuple[Unit, ...]:
     return whole("units", units, at_least=1, what="list of Unit or a whole number")
 
 
-def _checked_structure(structure: Structure) -> Structure:
-    kinds = (Series, Parallel, KOutOfN, CutSets)
-    wanted = "give Series(), Parallel(), KOutOfN(k) or CutSets(sets)"
-    checked: Structure = instance("structure", structure, kinds, wanted)
-    return checked
-
-
 def _checked_references(references: ReferenceTable | None) -> ReferenceTable | None:
     from uqfold.problems.reference import ReferenceTable
 
     return or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")
-
-
-def _check_structure(structure: Structure, n_units: int) -> None:
-    if isinstance(structure, KOutOfN) and structure.k > n_units:
-        raise refused("structure", structure, f"it cannot hold for a system of {n_units} units")
-    if isinstance(structure, CutSets):
-        largest = max(max(one) for one in structure.sets)
-        if largest >= n_units:
-            raise refused(
-                "structure",
-                structure,
-                f"it names unit {largest}, but the system has {n_units} units, from 0",
-            )

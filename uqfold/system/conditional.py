@@ -1,8 +1,8 @@
 """System failure probability from conditional responses: the expectation over shared inputs last.
 
 Given the shared inputs v, units and missions are independent (Eqs. 23-30, 37-40). One mission's
-failure probability comes from `synchronized`, all missions' from `missions`, and then the K
-nodes of a quadrature over v are summed, complements included.
+failure probability comes from `synchronized` and `structure`, all missions' from `missions`, and
+then the K nodes of a quadrature over v are summed, complements included.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from uqfold.problems.criterion import Criterion, Missions
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.conditional_unit import UnitResponse
 from uqfold.system.missions import over_missions
+from uqfold.system.structure import SystemUnits
 from uqfold.system.synchronized import (
     MissionProbability,
     complementary,
@@ -64,12 +65,12 @@ class SystemProbability:
 def system_failure(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
-    units: int,
+    units: SystemUnits | int,
     threshold: float,
     tau: float | None = None,
     missions: Missions = 1,
 ) -> SystemProbability:
-    """Failure probability of `units` exchangeable units that share inputs; see system_failures."""
+    """Failure probability of exchangeable units that share inputs; see system_failures."""
     criterion = Criterion(threshold, tau, missions)
     return system_failures(responses, weights, units, [criterion])[0]
 
@@ -77,7 +78,7 @@ def system_failure(
 def system_failures(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
-    units: int,
+    units: SystemUnits | int,
     criteria: Sequence[Criterion],
 ) -> list[SystemProbability]:
     """Failure probability for each criterion, with shared inputs kept over units and missions.
@@ -91,7 +92,7 @@ def system_failures(
     weights : array (K,)
         Weights of the nodes; they are normalised to sum 1.
     units
-        Number of units, n >= 1.
+        The units and their structure, or the number n >= 1 of units in series.
     criteria
         Threshold, tau and missions of each entry of the result.
 
@@ -112,7 +113,7 @@ def system_failures(
 def independent_failure(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
-    units: int,
+    units: SystemUnits | int,
     threshold: float,
     tau: float | None = None,
     missions: Missions = 1,
@@ -125,7 +126,7 @@ def independent_failure(
 def independent_failures(
     responses: Sequence[ConditionalResponse],
     weights: ArrayLike,
-    units: int,
+    units: SystemUnits | int,
     criteria: Sequence[Criterion],
 ) -> list[SystemProbability]:
     """Failure probability for each criterion if every response were drawn from the marginal.
@@ -149,7 +150,7 @@ def _normalised(responses: Sequence[ConditionalResponse], weights: ArrayLike) ->
 def _expectation(
     nodes: Sequence[UnitResponse],
     shares: FloatArray,
-    units: int,
+    units: SystemUnits | int,
     criteria: Sequence[Criterion],
 ) -> list[SystemProbability]:
     found = np.empty((4, len(criteria)))
@@ -185,7 +186,10 @@ def grouped(
 
 
 def _at_nodes(
-    nodes: Sequence[UnitResponse], units: int, thresholds: FloatArray, tau: float | None
+    nodes: Sequence[UnitResponse],
+    units: SystemUnits | int,
+    thresholds: FloatArray,
+    tau: float | None,
 ) -> MissionProbability:
     """One mission's probabilities at all nodes, arrays (K, R)."""
     rows = []

@@ -17,7 +17,7 @@ import numpy as np
 
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.problems.structure import Series
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 
@@ -38,8 +38,13 @@ class Worst:
     apart: FloatArray
 
     @classmethod
-    def of_missions(cls, y: FloatArray, *, missing_fails: bool) -> Worst:
+    def of_missions(
+        cls, y: FloatArray, *, missing_fails: bool, units: SystemUnits | None = None
+    ) -> Worst:
         """Return the worst (...) of missions with the responses y (..., n); see `mission_fails`."""
+        if units is not None and units.diagram is not None:
+            late = _response(y, units, missing_fails)
+            return cls(late, np.full_like(late, -np.inf))
         lowest, highest, missing = _extremes(y)
         with np.errstate(invalid="ignore", over="ignore"):
             # the difference of finite responses may overflow
@@ -58,13 +63,20 @@ class Worst:
 
 
 def mission_fails(
-    y: FloatArray, threshold: float, tau: float | None, *, missing_fails: bool
+    y: FloatArray,
+    threshold: float,
+    tau: float | None,
+    *,
+    missing_fails: bool,
+    units: SystemUnits | None = None,
 ) -> BoolArray:
-    """Whether each mission of a series system fails, Eqs. (22) and (37).
+    """Whether each mission of a system fails; in series Eqs. (22) and (37).
 
-    A mission works when every response is at most T and, under a synchronization threshold, the
-    largest and the smallest lie at most tau apart; equality works. A response of +inf always
-    fails, whatever T is; under tau any infinite response fails (inf - inf is not agreement).
+    A unit works when its response is at most T, and what that means for the system its structure
+    says. In series a mission works when every response is at most T and, under a synchronization
+    threshold, the largest and the smallest lie at most tau apart; equality works. A response of
+    +inf always fails, whatever T is; under tau any infinite response fails (inf - inf is not
+    agreement).
 
     Parameters
     ----------
@@ -73,30 +85,39 @@ def mission_fails(
     threshold
         T, in the unit of the response; +-inf are allowed.
     tau
-        Synchronization threshold in the same unit, or None.
+        Synchronization threshold in the same unit, or None; for units in series only.
     missing_fails
-        Whether a mission with a failed run counts as failed; otherwise the mission is judged by
-        its other units alone, and works if there are none.
+        Whether a failed run counts as a unit that fails; otherwise as one that works, so that a
+        series is judged by its other units alone, and works if there are none.
+    units
+        The units and their structure; None: in series.
 
     Returns
     -------
     BoolArray
         Shape (...).
     """
-    return Worst.of_missions(y, missing_fails=missing_fails).fails(threshold, tau)
+    return Worst.of_missions(y, missing_fails=missing_fails, units=units).fails(threshold, tau)
 
 
 def mission_margin(
-    y: FloatArray, threshold: float, tau: float | None, *, missing_fails: bool
+    y: FloatArray,
+    threshold: float,
+    tau: float | None,
+    *,
+    missing_fails: bool,
+    units: SystemUnits | None = None,
 ) -> FloatArray:
     """Continuous margin of each mission: > 0 exactly where `mission_fails`.
 
-    The margin is the larger of max t - T and (max t - min t) - tau. Its sign is that of the exact
-    comparison, because the difference of two floats is zero only if they are equal.
+    In series the margin is the larger of max t - T and (max t - min t) - tau; in any other
+    structure t - T with the response t at which the system passes from working to failing. Its
+    sign is that of the exact comparison, because the difference of two floats is zero only if
+    they are equal.
 
     Parameters
     ----------
-    y, threshold, tau, missing_fails
+    y, threshold, tau, missing_fails, units
         As in `mission_fails`.
 
     Returns
@@ -105,6 +126,10 @@ def mission_margin(
         Shape (...), in the unit of the response; +inf where an infinite response or a failed run
         fails the mission, -inf where nothing can fail it.
     """
+    if units is not None and units.diagram is not None:
+        late = _response(y, units, missing_fails)
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.where(np.isinf(late), late, late - threshold)
     lowest, highest, missing = _extremes(y)
     with np.errstate(invalid="ignore", over="ignore"):
         margin = np.where(np.isinf(highest), highest, highest - threshold)
@@ -115,6 +140,11 @@ def mission_margin(
     # NaN is left only where every run of the mission failed
     margin = np.where(np.isnan(margin), -np.inf, margin)
     return np.where(missing, np.inf, margin) if missing_fails else margin
+
+
+def _response(y: FloatArray, units: SystemUnits, missing_fails: bool) -> FloatArray:
+    """Response of a system without tau, its failed runs as units that fail, or that work."""
+    return units.response(np.where(np.isnan(y), np.inf if missing_fails else -np.inf, y))
 
 
 def _extremes(y: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
@@ -136,26 +166,29 @@ class SystemEvent:
     Attributes
     ----------
     problem
-        Exchangeable units in series.
+        The system, of exchangeable units.
     criterion
         What "works" means.
 
     Raises
     ------
     ValueError
-        If the units differ, or the structure is not a series.
+        If the units differ, or there is a tau and the structure is not a series.
     """
 
     problem: Problem
     criterion: Criterion
 
     def __post_init__(self) -> None:
-        in_series = isinstance(self.problem.structure, Series)
-        if not (in_series and self.problem.exchangeable):
-            raise ValueError(
-                f"{self.problem!r} has no system event: give exchangeable units "
-                "(units=<number>) in series"
-            )
+        if not self.problem.exchangeable:
+            raise ValueError(f"{self.problem!r} has no system event: give units=<number>")
+        if self.criterion.tau is not None and self.units.diagram is not None:
+            raise ValueError(f"{self.problem!r} has no system event under tau: give Series()")
+
+    @cached_property
+    def units(self) -> SystemUnits:
+        """The units and their structure."""
+        return SystemUnits.of(self.problem)
 
     @property
     def random_missions(self) -> bool:
@@ -218,7 +251,11 @@ class SystemEvent:
         for missing_fails in (False, True):
             margin = np.full(flown.shape, -np.inf)
             margin[flown] = mission_margin(
-                y, self.criterion.threshold, self.criterion.tau, missing_fails=missing_fails
+                y,
+                self.criterion.threshold,
+                self.criterion.tau,
+                missing_fails=missing_fails,
+                units=self.units,
             )
             bounds.append(margin.max(axis=1))
         return bounds[0], bounds[1]

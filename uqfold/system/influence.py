@@ -30,6 +30,7 @@ import numpy as np
 from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.structure import SystemUnits
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
@@ -67,7 +68,7 @@ class Influence:
 
 
 def influences(
-    response: ConditionalResponse, units: int, criteria: Sequence[Criterion]
+    response: ConditionalResponse, units: SystemUnits | int, criteria: Sequence[Criterion]
 ) -> list[Influence]:
     """Influence of one unit's response on pf of each criterion, given the shared inputs.
 
@@ -76,7 +77,7 @@ def influences(
     response
         Response given the shared inputs; infinite responses and failed runs are left out.
     units
-        Number of exchangeable units in series, n.
+        The exchangeable units and their structure, or the number n of units in series.
     criteria
         Threshold, tau and missions of each.
     """
@@ -85,12 +86,13 @@ def influences(
         nothing = np.empty(0)
         return [Influence(math.nan, c.threshold, 0.0, nothing, nothing) for c in criteria]
     table = _Scores.of(distribution)
+    units = SystemUnits.of(units)
     found = []
     late = distribution.sf(np.array([criterion.threshold for criterion in criteria]))
     for criterion, sf in zip(criteria, late.tolist(), strict=True):
         check_time()
         failure, jump, y, slope = _of_mission(sf, table, units, criterion)
-        factor = units * _mission_factor(criterion, failure)
+        factor = units.count * _mission_factor(criterion, failure)
         found.append(Influence(failure, criterion.threshold, factor * jump, y, factor * slope))
     return found
 
@@ -98,11 +100,14 @@ def influences(
 def _of_mission(
     sf: float,
     table: _Scores | None,
-    n: int,
+    units: SystemUnits,
     criterion: Criterion,
 ) -> tuple[float, float, FloatArray, FloatArray]:
     """Failure, jump and tabulated rest of one mission, per unit."""
-    threshold, tau = criterion.threshold, criterion.tau
+    threshold, tau, n = criterion.threshold, criterion.tau, units.count
+    if units.diagram is not None:
+        failure, change = units.diagram.with_derivative(min(sf, _ALMOST_SURE))
+        return failure, change / n, np.empty(0), np.empty(0)
     log_works = math.log1p(-min(sf, _ALMOST_SURE))
     failure = -math.expm1(n * log_works)
     if tau is None or n == 1 or table is None:

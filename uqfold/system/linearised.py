@@ -18,13 +18,14 @@ import numpy as np
 from uqfold.moments.panels import integrate
 from uqfold.problems.criterion import Missions
 from uqfold.system.missions import over_missions
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 _FARTHEST = 38.5  # the normal density underflows beyond
 
 
 def linearised_failures(
-    beta: float, rho: float, units: int, missions: Sequence[Missions]
+    beta: float, rho: float, units: SystemUnits | int, missions: Sequence[Missions]
 ) -> tuple[FloatArray, FloatArray]:
     """Failure probability and reliability of a linearised system.
 
@@ -36,7 +37,7 @@ def linearised_failures(
         Squared length of the shared part of the design direction, in [0, 1]: the correlation of
         two units' linearised margins.
     units
-        Number of units, n >= 1; all must work.
+        The units and their structure, or the number n >= 1 of units in series.
     missions
         Fixed or binomial numbers of missions, one for each entry of the result.
 
@@ -54,8 +55,7 @@ def linearised_failures(
         raise ValueError("beta is NaN: FORM gave no design point")
     if not 0.0 <= rho <= 1.0:
         raise ValueError(f"rho = {rho}: the shared part of a unit vector has a square in [0, 1]")
-    if units < 1:
-        raise ValueError(f"units = {units}: a system needs at least one unit")
+    units = SystemUnits.of(units)
     if math.isinf(beta) or rho == 0.0:
         return _columns(_over_units(np.array([-beta]), units, missions))
     if rho == 1.0:
@@ -88,7 +88,7 @@ def linearised_failures(
 
 
 def linearised_failure(
-    beta: float, rho: float, units: int, missions: Missions = 1
+    beta: float, rho: float, units: SystemUnits | int, missions: Missions = 1
 ) -> tuple[float, float]:
     """(pf, reliability) for one number of missions; see linearised_failures."""
     pf, reliability = linearised_failures(beta, rho, units, [missions])
@@ -103,13 +103,16 @@ def _normal_tails(beta: float) -> tuple[float, float]:
 
 
 def _over_units(
-    x: FloatArray, units: int, missions: Sequence[Missions]
+    x: FloatArray, units: SystemUnits, missions: Sequence[Missions]
 ) -> tuple[FloatArray, FloatArray]:
     """Failure and success (len(missions), N) given that each unit fails with Phi(x), x (N,)."""
-    from scipy.special import log_ndtr
+    from scipy.special import log_ndtr, ndtr
 
-    log_works = units * log_ndtr(-x)
-    failure, success = -np.expm1(log_works), np.exp(log_works)
+    if units.diagram is not None:
+        failure, success = units.mission(ndtr(x), ndtr(-x))
+    else:
+        log_works = units.count * log_ndtr(-x)
+        failure, success = -np.expm1(log_works), np.exp(log_works)
     pairs = [over_missions(failure, success, mission) for mission in missions]
     return np.stack([pair[0] for pair in pairs]), np.stack([pair[1] for pair in pairs])
 

@@ -17,6 +17,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.refinement import TOLERANCE
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface_rule import Surface, SurfaceRule
 from uqfold.typing import FloatArray, IntArray
 
@@ -56,7 +57,7 @@ class Responses:
 
 @dataclass(frozen=True, eq=False)
 class SurfaceSystem:
-    """Exchangeable units in series whose responses share one surface.
+    """Exchangeable units whose responses share one surface.
 
     Built by `laid_out` from the surface that matters most; other surfaces that differ
     little from it (draws from a posterior) are answered on the same points.
@@ -67,7 +68,7 @@ class SurfaceSystem:
         Points for answers, and fewer points for changes of answers. Where quadrature does not
         resolve the surface, both hold lines or rays drawn at random.
     units
-        Number of units.
+        The units and their structure.
     together
         Whether all units and missions of a system give one and the same response, since nothing
         is individual, or there is only one unit and one mission.
@@ -75,7 +76,7 @@ class SurfaceSystem:
 
     rule: SurfaceRule
     coarse: SurfaceRule
-    units: int
+    units: SystemUnits
     together: bool
 
     def failures(

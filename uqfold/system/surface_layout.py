@@ -17,6 +17,7 @@ from uqfold.system.conditional import SystemProbability
 from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import Compared
 from uqfold.system.sampled_rule import SAMPLED_STATIONS
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfacePlan, plan_surface
 from uqfold.typing import FloatArray
@@ -46,7 +47,7 @@ def laid_out(
     surface: Surface,
     dimension: int,
     n_shared: int,
-    units: int,
+    units: SystemUnits | int,
     criteria: Sequence[Criterion],
     max_points: int = MAX_POINTS,
     *,
@@ -61,7 +62,7 @@ def laid_out(
     dimension, n_shared
         Number of variables, and how many of them (the first ones) are shared.
     units
-        Number of units n.
+        The units and their structure, or the number n of units in series.
     criteria
         The questions that will be asked.
     max_points
@@ -69,9 +70,10 @@ def laid_out(
     complete
         Whether responses are finite everywhere; if not, `outcomes` will say where.
     """
-    single = units == 1 and all(criterion.missions == 1 for criterion in criteria)
+    units = SystemUnits.of(units)
+    single = units.count == 1 and all(criterion.missions == 1 for criterion in criteria)
     together = single or n_shared == dimension
-    most = units * max((one.max_missions for one in criteria), default=1)
+    most = units.count * max((one.max_missions for one in criteria), default=1)
     max_points = min(max_points, _MOST_NUMBERS // dimension)
     asked = _thresholds(criteria)
     # with a shared input or tau, responses matter that lie between the thresholds and the body
@@ -100,7 +102,7 @@ def surface_failures(
     surface: Surface,
     dimension: int,
     n_shared: int,
-    units: int,
+    units: SystemUnits | int,
     criteria: Sequence[Criterion],
     max_points: int = MAX_POINTS,
 ) -> list[SystemProbability]:

@@ -1,4 +1,6 @@
-"""One mission of n exchangeable units: all fast enough, and close enough to each other.
+"""One mission of n exchangeable units: in series all fast enough, and close to each other.
+
+Without a synchronization threshold tau any structure is answered by `uqfold.system.structure`.
 
 With H the distribution function of one unit's response, h its density, S = 1 - H, a mission works
 if max <= T and max - min <= tau. By conditioning on the largest response s,
@@ -24,6 +26,7 @@ import numpy as np
 
 from uqfold.moments.panels import integrals_up_to
 from uqfold.system.conditional_unit import Measure, UnitResponse
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 
@@ -46,7 +49,7 @@ class MissionProbability:
 
 
 def mission_probability(
-    unit: UnitResponse, units: int, thresholds: FloatArray, tau: float | None
+    unit: UnitResponse, units: SystemUnits | int, thresholds: FloatArray, tau: float | None
 ) -> MissionProbability:
     """Probability that one mission of exchangeable, independent units fails, and that it works.
 
@@ -55,7 +58,7 @@ def mission_probability(
     unit
         Response of each unit.
     units
-        Number of units, n >= 1.
+        The units and their structure, or the number n >= 1 of units in series.
     thresholds : array (R,)
         Response thresholds T (unit of the response); +-inf allowed.
     tau
@@ -65,12 +68,11 @@ def mission_probability(
     Raises
     ------
     ValueError
-        For units < 1, a NaN threshold, or a negative or NaN tau.
+        For units < 1, a NaN threshold, a negative or NaN tau, or tau where a unit may fail.
     TypeError
         If tau is given and a distribution has no density to integrate over.
     """
-    if units < 1:
-        raise ValueError(f"units = {units}: a system needs at least one unit")
+    units = SystemUnits.of(units)
     thresholds = np.atleast_1d(np.asarray(thresholds, dtype=float))
     if np.isnan(thresholds).any():
         raise ValueError(f"thresholds {thresholds}: NaN is not a threshold")
@@ -78,41 +80,38 @@ def mission_probability(
         raise ValueError(f"tau = {tau}: give a synchronization threshold >= 0, or None for none")
     if tau is None:
         return _unsynchronized(unit, units, thresholds)
+    if units.diagram is not None:
+        raise ValueError(f"tau = {tau}: all units of a mission are compared, which needs Series()")
     return _synchronized(unit, units, thresholds, tau)
 
 
-def _unsynchronized(unit: UnitResponse, units: int, thresholds: FloatArray) -> MissionProbability:
+def _unsynchronized(
+    unit: UnitResponse, units: SystemUnits, thresholds: FloatArray
+) -> MissionProbability:
     cdf, sf = unit.tails(thresholds)
     fails = unit.p_never + unit.p_finite * sf
     works = unit.p_always + unit.p_finite * cdf
-    high = _all_work(fails + unit.p_missing, works, units)
-    low = _all_work(fails, works + unit.p_missing, units) if unit.p_missing > 0 else high
+    high = units.mission(fails + unit.p_missing, works)
+    low = units.mission(fails, works + unit.p_missing) if unit.p_missing > 0 else high
     return MissionProbability(*high, *low)
 
 
-def _all_work(fails: FloatArray, works: FloatArray, units: int) -> tuple[FloatArray, FloatArray]:
-    """(failure, success) of `units` units that must all work."""
-    with np.errstate(divide="ignore"):
-        log_works = np.where(fails < 0.5, np.log1p(-np.minimum(fails, 0.5)), np.log(works))
-    return -np.expm1(units * log_works), np.exp(units * log_works)
-
-
 def _synchronized(
-    unit: UnitResponse, units: int, thresholds: FloatArray, tau: float
+    unit: UnitResponse, units: SystemUnits, thresholds: FloatArray, tau: float
 ) -> MissionProbability:
     bad, missing = unit.p_never + unit.p_always, unit.p_missing
     cdf, sf = unit.tails(thresholds)
     inside, outside = unit.p_finite * cdf, unit.p_finite * sf
-    high = _all_work(bad + missing + outside, inside, units)
+    high = units.mission(bad + missing + outside, inside)
     # no unit with an answer: nothing is seen to fail
-    low = _all_work(bad + outside, missing + inside, units) if missing > 0 else high
-    if units == 1 or unit.p_finite == 0.0 or math.isinf(tau):
+    low = units.mission(bad + outside, missing + inside) if missing > 0 else high
+    if units.count == 1 or unit.p_finite == 0.0 or math.isinf(tau):
         return MissionProbability(*high, *low)
     ignored = [0.0, missing] if missing > 0 else [0.0]
-    largest = _Largest(unit, units, tau, ignored)
+    largest = _Largest(unit, units.count, tau, ignored)
     stops, place = np.unique(thresholds, return_inverse=True)
     late = np.stack([high[0], low[0]][: len(ignored)])
-    nobody = np.array(ignored)[:, None] ** units * np.ones(thresholds.size)
+    nobody = np.array(ignored)[:, None] ** units.count * np.ones(thresholds.size)
     offset = np.empty((2, len(ignored), stops.size))
     offset[0, :, place], offset[1, :, place] = late.T, nobody.T
     total = offset + largest.atoms_up_to(stops)

@@ -11,6 +11,7 @@ from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.result import NO_ANSWER, CriterionResult
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.problems.structure import KOutOfN, Structure
 from uqfold.testing.curved import CurvedSystem
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.testing.verdict import ContractError, Settings, demand
@@ -52,7 +53,8 @@ def _judge_grid(
     rows = zip(asked, result, strict=True)
     answered = [(criterion, row) for criterion, row in rows if row.status not in NO_ANSWER]
     for criterion, row in answered:
-        judge(method, row, system.pf(criterion), s, f"{system.units} units, {criterion}")
+        what = f"{system.units} units, {system.structure}, {criterion}"
+        judge(method, row, system.pf(criterion), s, what)
     return len(answered)
 
 
@@ -82,6 +84,14 @@ def check_synchronization(method: ReliabilityMethod, settings: Settings) -> None
         for t in (10.5, 12.0, 16.0)
     ]
     _judge_grid(method, system, asked, settings)
+
+
+def check_structures(method: ReliabilityMethod, settings: Settings) -> None:
+    """Units that can stand in for each other: each structure that the method answers is exact."""
+    bridge = Structure("u0 & u3 | u1 & u4 | u0 & u2 & u4 | u1 & u2 & u3")
+    for units, structure in ((4, KOutOfN(2)), (5, bridge)):
+        system = LinearNormalSystem(units, structure=structure)
+        _judge_grid(method, system, [Criterion(10.5), Criterion(11.0, missions=2)], settings)
 
 
 def check_plain_limit_state(method: ReliabilityMethod, settings: Settings) -> None:

@@ -3,13 +3,17 @@
 Unit i answers t_i = mean + shared_std * V + individual_std * (0.6 U_i + 0.8 W_i) with standard
 normal V (shared), U_i and W_i (individual). Given V, the responses are normal and independent, so
 the failure probability is one smooth integral over V (and with tau one more over the smallest
-response), which is computed here without any part of the algebra under test.
+response), which is computed here without any part of the algebra under test: what a structure
+makes of failures is added up over all states of the units.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +21,15 @@ from uqfold.checks import instance, keep, real, whole
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.structure import (
+    CutSets,
+    KOutOfN,
+    Parallel,
+    PathSets,
+    Series,
+    SystemStructure,
+    checked_structure,
+)
 from uqfold.typing import FloatArray
 
 _PANELS, _ORDER, _REACH = 24, 12, 9.0
@@ -30,23 +43,28 @@ class LinearNormalSystem:
     Attributes
     ----------
     units
-        Number of exchangeable units in series.
+        Number of exchangeable units.
     mean
         Mean response.
     shared_std, individual_std
         Standard deviation that comes from the shared and from the individual inputs.
+    structure
+        How the units make up the system: an expression calls them u0, u1, ...; for few units, if
+        it is not a series.
     """
 
     units: int = 3
     mean: float = 10.0
     shared_std: float = 0.3
     individual_std: float = 1.0
+    structure: SystemStructure = field(default_factory=Series)
 
     def __post_init__(self) -> None:
         keep(self, "units", whole, at_least=1)
         keep(self, "mean", real)
         keep(self, "shared_std", real, at_least=0.0)
         keep(self, "individual_std", real, above=0.0)
+        checked_structure(self.structure, tuple(f"u{i}" for i in range(self.units)))
 
     def problem(self) -> Problem:
         """Return the system as a problem with one shared and two individual inputs."""
@@ -55,6 +73,7 @@ class LinearNormalSystem:
             shared={"V": normal(0.0, 1.0)},
             individual={"U": normal(0.0, 1.0), "W": normal(0.0, 1.0)},
             units=self.units,
+            structure=self.structure,
             name="linear-normal",
         )
 
@@ -89,6 +108,8 @@ class LinearNormalSystem:
 
         upper = (criterion.threshold - self.mean - self.shared_std * v) / self.individual_std
         one_late = np.minimum(ndtr(-upper), _ALMOST_SURE)
+        if not isinstance(self.structure, Series):
+            return self._structure_failure(one_late, np.maximum(ndtr(upper), 1.0 - _ALMOST_SURE))
         late = -np.expm1(self.units * np.log1p(-one_late))
         if criterion.tau is None:
             return np.asarray(np.minimum(late, _ALMOST_SURE))
@@ -102,6 +123,32 @@ class LinearNormalSystem:
         integrand = np.where(z < upper, in_time**others - near**others, 0.0)
         apart = self.units * np.sum(weights * integrand, axis=1)
         return np.asarray(np.minimum(late + apart, _ALMOST_SURE))
+
+    def _structure_failure(self, late: FloatArray, in_time: FloatArray) -> FloatArray:
+        """Failure of a mission from all states of the units, given how each fails and works."""
+        failure = np.zeros(late.shape)
+        for works in product((False, True), repeat=self.units):
+            if not _works(self.structure, works):
+                count = sum(works)
+                failure += in_time**count * late ** (self.units - count)
+        return np.minimum(failure, _ALMOST_SURE)
+
+
+def _works(structure: SystemStructure, works: Sequence[bool]) -> bool:
+    """Whether a system works whose units do or do not."""
+    if isinstance(structure, Parallel):
+        return any(works)
+    if isinstance(structure, KOutOfN):
+        return sum(works) >= structure.k
+    if isinstance(structure, CutSets):
+        return all(any(works[i] for i in cut) for cut in structure.sets)
+    if isinstance(structure, PathSets):
+        return any(all(works[i] for i in path) for path in structure.sets)
+    if isinstance(structure, Series):
+        return all(works)
+    known: dict[str, Any] = {f"u{i}": one for i, one in enumerate(works)}
+    known["at_least"] = lambda k, *parts: sum(parts) >= k
+    return bool(eval(structure.expression, {"__builtins__": {}}, known))
 
 
 def normal_rule(kinks: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,0 +1,159 @@
+"""Structures of units: exact algebra on what units do, given the shared inputs."""
+
+from __future__ import annotations
+
+import math
+import time
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ndtr
+from scipy.stats import binom
+
+from uqfold import CutSets, KOutOfN, Parallel, PathSets, Problem, Series, Structure
+from uqfold.inputs import normal
+from uqfold.system.linearised import linearised_failure
+from uqfold.system.structure import SystemUnits, diagram
+from uqfold.testing.linear_normal import _works
+from uqfold.typing import FloatArray
+
+NAMES = tuple(f"u{i}" for i in range(6))
+CUTS = [[0, 1], [2, 3], [1, 4, 2], [0, 3, 5]]
+
+
+@pytest.mark.parametrize(
+    "structure",
+    [
+        Series(),
+        Parallel(),
+        KOutOfN(4),
+        CutSets(CUTS),
+        PathSets(CUTS),
+        Structure("at_least(2, u0 & u1, u2 | u3, u4, u0) | u1 and u3 & u5"),
+    ],
+)
+def test_units_that_differ_in_any_structure(structure: Any) -> None:
+    """Against the sum over all states; `Parallel` and its like were answered by nothing."""
+    fails = np.random.default_rng(7).uniform(1e-6, 0.2, (6, 3)) ** 3
+    failure, success = diagram(structure, NAMES).probabilities(fails, 1.0 - fails)
+    exact = np.zeros((2, 3))
+    for works in product((False, True), repeat=6):
+        chance = np.prod(np.where(np.array(works)[:, None], 1.0 - fails, fails), axis=0)
+        exact[int(_works(structure, works))] += chance
+        response = diagram(structure, NAMES).response(np.where(works, -1.0, 1.0))
+        assert (response < 0.0) == _works(structure, works)
+    assert failure == pytest.approx(exact[0], rel=1e-12, abs=0.0)
+    assert success == pytest.approx(exact[1], rel=1e-12, abs=0.0)
+
+
+def test_both_tails_keep_their_digits() -> None:
+    """pf = 1e-12 and 1 - pf = 1e-12 alike: neither is formed from the other."""
+    p = np.array([1e-9, 1e-4, 0.3])
+    shape = (20, 3)
+    found = diagram(KOutOfN(18), tuple(f"u{i}" for i in range(20)))
+    few = found.probabilities(np.broadcast_to(p, shape), np.broadcast_to(1.0 - p, shape))
+    most = found.probabilities(np.broadcast_to(1.0 - p, shape), np.broadcast_to(p, shape))
+    assert few[0] == pytest.approx(binom.sf(2, 20, p), rel=1e-11, abs=0.0)
+    assert most[1] == pytest.approx(binom.sf(17, 20, p), rel=1e-11, abs=0.0)
+    assert few[0][0] < 1e-23
+
+
+def test_two_hundred_units_take_no_states() -> None:
+    """100 of 200 units that differ: as many nodes as the recursion has, and under a second."""
+    fails = np.random.default_rng(3).random((200, 8))
+    begun = time.process_time()
+    found = diagram(KOutOfN(100), tuple(f"u{i}" for i in range(200)))
+    failure, success = found.probabilities(fails, 1.0 - fails)
+    assert found.size == 2 + 100 * 101
+    assert time.process_time() - begun < 1.0
+    assert failure + success == pytest.approx(1.0, rel=1e-12)
+    spread = np.sqrt((fails * (1.0 - fails)).sum(axis=0))
+    # a sum of many: normal to a few percent, with the correction for whole numbers
+    assert failure == pytest.approx(ndtr((fails.sum(axis=0) - 100.5) / spread), rel=0.05)
+
+
+GROUPS = [range(4 * g, 4 * g + 4) for g in range(5)]
+LINKS = ([0, 3], [1, 4], [0, 2, 4], [1, 2, 3])
+BRIDGE = Structure(
+    "|".join("&".join(f"u{i}" for group in path for i in GROUPS[group]) for path in LINKS)
+)
+"""A bridge of five groups of four units in series."""
+
+
+def bridge_failure(p: float) -> float:
+    q = (1.0 - p) ** 4
+    return 1.0 - (2.0 * q**2 + 2.0 * q**3 - 5.0 * q**4 + 2.0 * q**5)
+
+
+@pytest.mark.parametrize(
+    ("structure", "beta", "failure"),
+    [
+        (Parallel(), 0.5, lambda p: p**20),
+        (KOutOfN(2), 0.5, lambda p: 20.0 * (1.0 - p) * p**19 + p**20),
+        (BRIDGE, 2.5, bridge_failure),
+    ],
+)
+def test_equicorrelated_linear_units(structure: Any, beta: float, failure: Any) -> None:
+    """Twenty units that fail if sqrt(rho) Z + sqrt(1 - rho) E > beta: to 1e-8 in any structure."""
+    problem = Problem(lambda x: x[:, 0], individual=normal(0, 1), units=20, structure=structure)
+    rho = 0.4
+    begun = time.process_time()
+    units = SystemUnits.of(problem)
+    pf, reliability = linearised_failure(beta, rho, units)
+    assert time.process_time() - begun < 1.0
+
+    def integrand(z: float) -> float:
+        p = float(ndtr((math.sqrt(rho) * z - beta) / math.sqrt(1.0 - rho)))
+        return float(failure(p)) * math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
+
+    exact = quad(integrand, -9.0, 9.0, epsabs=1e-13, epsrel=1e-11, limit=200)[0]
+    assert pf == pytest.approx(exact, rel=1e-8)
+    assert pf + reliability == pytest.approx(1.0, rel=1e-12)
+
+
+def test_how_failure_changes_with_that_of_the_units() -> None:
+    found = diagram(CutSets(CUTS), NAMES)
+
+    def failure(p: float) -> float:
+        column: FloatArray = np.full((6, 1), p)
+        return float(found.probabilities(column, 1.0 - column)[0][0])
+
+    value, slope = found.with_derivative(0.3)
+    assert value == pytest.approx(failure(0.3), rel=1e-14)
+    assert slope == pytest.approx((failure(0.3 + 1e-5) - failure(0.3 - 1e-5)) / 2e-5, rel=1e-8)
+
+
+def test_a_structure_that_needs_too_many_nodes_is_refused(monkeypatch: Any) -> None:
+    monkeypatch.setattr("uqfold.system.structure.MOST_NODES", 1000)
+    with pytest.raises(ValueError, match="a decision diagram of more than 1,000 nodes"):
+        diagram(KOutOfN(99), tuple(f"u{i}" for i in range(200)))
+
+
+@pytest.mark.parametrize(
+    ("expression", "message"),
+    [
+        ("a &", "it cannot be read"),
+        ("~a | b", "'~a' is no unit name"),
+        ("a + b", "'a \\+ b' is no unit name"),
+        ("at_least(a, b)", "at_least takes a number"),
+        ("at_least(3, a, b)", r"at_least\(3, ...\) counts 2 parts"),
+        ("__import__('os')", "is no unit name"),
+    ],
+)
+def test_what_is_no_structure_is_refused(expression: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Structure(expression)
+
+
+def test_a_structure_names_units_of_the_problem() -> None:
+    def problem(expression: str) -> Problem:
+        return Problem(
+            lambda x: x[:, 0], individual=normal(0, 1), units=2, structure=Structure(expression)
+        )
+
+    assert SystemUnits.of(problem("u1 | u0")).count == 2
+    with pytest.raises(ValueError, match="u2 is the name of 0 units; there are u0, u1"):
+        problem("u0 | u2")
