@@ -135,21 +135,24 @@ def pair_figures(
     for pair in pairs:
         name, moment, _ = CONDITIONS[pair[0]]
         short = "mean" if moment == "mean" else "std. dev."
-        legend = [
-            f"{one}: {short} of ${SYMBOLS[name]}$ {CONDITIONS[one][2]:g}{UNITS[name]}"
-            for one in pair
-        ]
+        names = {
+            f"condition-{one}": f"{one}: {short} of ${SYMBOLS[name]}$ {value:g}{UNITS[name]}"
+            for one, value in ((one, CONDITIONS[one][2]) for one in pair)
+        }
         for sync in (False, True):
             letter, words = next(letters), "without synchronization"
             chosen: dict[str, Any] = {"tau": None, "missions": ["2", "5", "8", "10"]}
-            look: dict[str, Any] = {"curves": "missions", "smallest_pf": 1e-6}
+            look: dict[str, Any] = {"curves": "missions"}
             if sync:
                 words = "with synchronization and a random number of missions"
                 chosen, look = {"tau": TAU, "missions": str(FLOWN)}, {"curves": "tau"}
-            rows = run.rows(f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check", **chosen)
             more = options(run, pair, sync)
+            rows = run.rows(f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check", **chosen)
+            rows["problem"] = rows["problem"].replace(names)
+            figure = plots.reliability_panels(rows, check="simulation", **look, **more)
+            figure.axes[1].set_ylim(bottom=1e-6)
             page.figure(
-                plots.reliability_panels(rows, check="simulation", names=legend, **look, **more),
+                figure,
                 f"Fig. {number}({letter}): conditions {pair[0]} and {pair[1]}, {words}",
                 PAIRED if "paired" in more else "",
                 name=f"fig-{number}{letter}",

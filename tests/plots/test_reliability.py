@@ -38,7 +38,7 @@ PARTS = ("reliability", "pf", "difference")
 
 
 def draw(*frames: pd.DataFrame, parts: Any = PARTS, **options: Any) -> Any:
-    chosen = {"curves": "missions", "check": "simulation", "smallest_pf": 1e-6, **options}
+    chosen = {"curves": "missions", "check": "simulation", **options}
     return plots.reliability_panels(list(frames or (CURVES, MARKS)), parts, **chosen)
 
 
@@ -78,9 +78,9 @@ def test_marks_carry_their_intervals_in_the_colour_of_their_problem() -> None:
 
 
 def test_legend_names_problems_curves_marks_and_arrows() -> None:
-    texts = ["first", "second", "$m$ = 2", "$m$ = 5", "simulation, 95 %"]
-    assert legend(draw(names=("first", "second"))) == texts
-    assert legend(draw(CURVES, parts=("pf",))) == ["one", "two", *texts[2:4]]
+    texts = ["one", "two", "$m$ = 2", "$m$ = 5", "simulation, 95 %"]
+    assert legend(draw()) == texts
+    assert legend(draw(CURVES, parts=("pf",))) == texts[:4]
     none = MARKS.assign(pf=0.0, ci_low=0.0)
     assert legend(draw(CURVES, none))[-1] == "no failure: upper end"
     assert legend(draw(CURVES, none, parts=("reliability",)))[-1] == "simulation, 95 %"
@@ -88,11 +88,11 @@ def test_legend_names_problems_curves_marks_and_arrows() -> None:
 
 @pytest.mark.parametrize("length", [1, 20, 32])
 def test_legend_is_no_wider_than_the_figure(length: int) -> None:
-    figure = draw(names=("n" * length, "second"))
+    figure = draw(*(one.replace("one", "n" * length) for one in (CURVES, MARKS)))
     [legend] = figure.legends
     assert legend.get_window_extent().width <= figure.bbox.width
     # the figure grows with the legend, the panels stay as they are
-    more = 0.17 * (2 if length == 32 else 0)
+    more = 0.17 * {1: 0, 20: 1, 32: 3}[length]
     assert figure.get_figheight() == pytest.approx(draw().get_figheight() + more)
 
 

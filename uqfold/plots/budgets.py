@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import refused, several, whole
-from uqfold.plots.panels import draw_judged, key, legend_below, limit_errors
+from uqfold.plots.panels import draw_judged, key, legend_below, mark, percent_axis
 from uqfold.plots.rows import distinct, having, joined
 from uqfold.plots.style import SOFT_COLOR, MethodStyle, figure_settings, method_styles
 
@@ -19,7 +19,7 @@ WIDTH_INCHES = 7.1
 """Width of two columns of print."""
 ROW_INCHES = 1.75
 EXPECTED: Any = {"color": "#000000", "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
-_SMALLEST, _LARGEST = 1e-5, 10.0
+SMALLEST, LARGEST = 1e-5, 10.0
 NEEDS = ("label", "problem", "decade", "answers", "n_evals", "rms", "monte_carlo_rms", "judged")
 
 
@@ -48,7 +48,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
         raise refused("decades", decades, "no reference lies in them")
     problems = distinct(frame, "problem")
     styles = method_styles(distinct(frame, "label"))
-    size = (WIDTH_INCHES, ROW_INCHES * len(decades) + 1.0)
+    size = (WIDTH_INCHES, ROW_INCHES * len(decades) + 0.6)
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.subplots(len(decades), len(problems), squeeze=False, sharex=True, sharey=True)
     for row, decade in zip(grid, decades, strict=True):
@@ -69,26 +69,22 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     handles = [key(name, marker=look.marker, color=look.color) for name, look in styles.items()]
     handles.append(key("Monte Carlo, expected", **EXPECTED))
     if not frame["judged"].all():
-        handles.append(
-            key("not beyond the reference's error", linestyle="", marker="o", color=SOFT_COLOR,
-                markerfacecolor="white")
-        )  # fmt: skip
-    legend_below(figure, handles, 4)
+        handles.append(mark("not beyond the reference's error", hollow=True, color=SOFT_COLOR))
+    legend_below(figure, handles)
     return figure
 
 
 def _errors(axes: Axes, rows: pd.DataFrame, styles: Mapping[str, MethodStyle]) -> None:
     """Draw the curves of all methods on one problem, in one decade."""
+    from matplotlib.ticker import EngFormatter
+
     frame = rows.sort_values("n_evals")
     axes.set(xscale="log", xlim=(20, 20_000))
-    limit_errors(axes, _SMALLEST, _LARGEST)
-    axes.xaxis.set_major_formatter(
-        lambda value, _: f"{value / 1000:g}k" if value >= 1000.0 else f"{value:g}"
-    )
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    percent_axis(axes, SMALLEST, LARGEST)
     axes.plot(frame["n_evals"], frame["monte_carlo_rms"], **EXPECTED)
     for name, look in styles.items():
-        own = having(frame, "label", name)
         # a budget that buys no further run buys no further point
-        own = own[own["answers"] > 0].drop_duplicates("n_evals", keep="last")
-        errors = own["rms"].clip(_SMALLEST, _LARGEST)
+        own = having(frame, "label", name).drop_duplicates("n_evals", keep="last")
+        errors = own["rms"].clip(SMALLEST, LARGEST)
         draw_judged(axes, own["n_evals"], errors, ~own["judged"].astype(bool), look)

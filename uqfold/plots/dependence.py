@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from uqfold.plots.panels import draw_bars, key, limit_pf, stacked
+from uqfold.plots.curves import limit_pf
+from uqfold.plots.panels import key, legend_below, mark, stacked
 from uqfold.plots.rows import distinct, having, joined, threshold_label, value_text
 from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles, shades
 
@@ -38,18 +39,9 @@ def independence_panels(table: pd.DataFrame) -> Figure:
     label = str(frame["label"].iloc[0]) if "label" in frame else "ffni-spa"
     numbers = sorted(distinct(frame, "units"))
     looks = shades(method_styles([label])[label], len(numbers), own_markers=True)
-    handles = [
-        key(value_text("units", number, ""), color=look.color, linewidth=2.5)
-        for number, look in zip(numbers, looks, strict=True)
-    ]
-    for name, dashes in zip(("correlated", "independent"), DASHES.values(), strict=True):
-        handles.append(key(name, color=SOFT_COLOR, linestyle=dashes))
-    if frame["sampled_difference"].notna().any():
-        text = f"sampled, ± {STANDARD_ERRORS:g} s.e."
-        mark = {"linestyle": "", "marker": "o", "markerfacecolor": "white"}
-        handles.append(key(text, color=SOFT_COLOR, **mark))
-    figure, grid = stacked((1.6, 1.6, 1.8), 1, handles)
+    figure, grid = stacked((1.6, 1.6, 1.8), 1)
     body, gap, tail = grid[:, 0]
+    handles = []
     for number, look in zip(numbers, looks, strict=True):
         own = having(frame, "units", number)
         T = own["threshold"]
@@ -57,11 +49,20 @@ def independence_panels(table: pd.DataFrame) -> Figure:
             body.plot(T, 1.0 - own[column], linestyle=dashes, color=look.color)
             tail.plot(T, own[column], linestyle=dashes, color=look.color)
         gap.plot(T, own["difference"], color=look.color)
-        half = STANDARD_ERRORS * own["sampled_std_error"]
-        draw_bars(gap, T, own["sampled_difference"], half, look.marker, look.color)
+        gap.errorbar(
+            T, own["sampled_difference"], STANDARD_ERRORS * own["sampled_std_error"],
+            fmt=look.marker, color=look.color, markerfacecolor="white", elinewidth=0.8, capsize=1.8,
+        )  # fmt: skip
+        handles.append(key(value_text("units", number, ""), color=look.color, linewidth=2.5))
+    for name, dashes in zip(("correlated", "independent"), DASHES.values(), strict=True):
+        handles.append(key(name, color=SOFT_COLOR, linestyle=dashes))
+    if frame["sampled_difference"].notna().any():
+        text = f"sampled, ± {STANDARD_ERRORS:g} s.e."
+        handles.append(mark(text, hollow=True, color=SOFT_COLOR))
     body.set(ylabel="reliability", ylim=(-0.03, 1.03))
     gap.set_ylabel("$R$ − $R_{independent}$")
     tail.set(ylabel="failure probability", xlabel=threshold_label(frame))
-    limit_pf(tail, [*frame["pf"], *frame["pf_independent"]], None)
+    limit_pf(tail, [*frame["pf"], *frame["pf_independent"]])
     figure.align_ylabels(grid[:, 0])
+    legend_below(figure, handles)
     return figure

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from uqfold.plots.panels import beside, draw_intervals, key, legend_below, name_rows
+from uqfold.plots.panels import draw_rows, key, legend_below, mark
 from uqfold.plots.rows import distinct, having, joined, response_of, value_text
 from uqfold.plots.style import (
     COLUMN_INCHES,
@@ -42,32 +42,34 @@ def design(table: Frames) -> Figure:
     -------
     matplotlib.figure.Figure
     """
+    import pandas as pd
     from matplotlib.figure import Figure
 
     frame = joined(table, NEEDS, "table")
-    frame = frame.assign(case=case_texts(frame))
-    cases, styles = distinct(frame, "case"), method_styles(distinct(frame, "label"))
-    size = (2.0 * COLUMN_INCHES, 1.1 + ROW_INCHES * len(cases))
+    frame = frame.assign(row=case_texts(frame), series=frame["label"])
+    rows, styles = distinct(frame, "row"), method_styles(distinct(frame, "label"))
+    size = (2.0 * COLUMN_INCHES, 0.8 + ROW_INCHES * len(rows))
     figure = Figure(figsize=size, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
-    for k, (label, look) in enumerate(styles.items()):
-        own = having(frame, "label", label)
-        y = own["case"].map(cases.index) + beside(k, len(styles))
-        draw_intervals(left, y, own["value"], own["low"], own["high"], look, hollow=True)
-        for place, lift in (("value", -0.12), ("safe", 0.12)):
-            pf, low, high = (own[f"{place}_{name}"] for name in ("pf", "ci_low", "ci_high"))
-            draw_intervals(right, y + lift, pf, low, high, look, hollow=place == "value")
-    for i, case in enumerate(cases):
-        rows = having(frame, "case", case)
-        if rows["value"].isna().all():
+    draw_rows(left, frame, styles)
+    simulated = pd.concat([
+        frame.assign(
+            series=frame["label"] + ", " + place, value=frame[f"{place}_pf"],
+            low=frame[f"{place}_ci_low"], high=frame[f"{place}_ci_high"],
+        )
+        for place in PLACES
+    ])  # fmt: skip
+    looks = {f"{label}, {place}": look for label, look in styles.items() for place in PLACES}
+    draw_rows(right, simulated, looks, hollow=", value")
+    for i, name in enumerate(rows):
+        own = having(frame, "row", name)
+        if own["value"].isna().all():
             left.annotate(
-                ", ".join(rows["status"].unique()), (0.02, i), va="center", color=SOFT_COLOR,
+                ", ".join(own["status"].unique()), (0.02, i), va="center", color=SOFT_COLOR,
                 fontsize=8.5, xycoords=("axes fraction", "data"),
             )  # fmt: skip
-    for axes in (left, right):
-        name_rows(axes, cases)
-    row = frame.iloc[0]
-    left.set_xlabel(f"{row['seek']} {row['parameter']} ({row['unit']})")
+    first = frame.iloc[0]
+    left.set_xlabel(f"{first['seek']} {first['parameter']} ({first['unit']})")
     right.set_xlabel("pf of the real model")
     for target in frame["target_pf"].unique():
         right.axvline(target, **REFERENCE_LINE)
@@ -75,13 +77,15 @@ def design(table: Frames) -> Figure:
     right.set_xlim(0.0, 2.5 * float(frame["target_pf"].max()))
     right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 2))
     handles = [
-        key(f"{label}, 95 %", marker=look.marker, color=look.color, markerfacecolor="white")
+        key(f"{label}, 95 %", marker=look.marker, color=look.color)
         for label, look in styles.items()
     ]
-    for place, face in (("value", "white"), ("safe value", SOFT_COLOR)):
-        mark: Any = {"marker": "o", "color": SOFT_COLOR, "markerfacecolor": face}
-        handles.append(key(f"simulated at the {place}", linestyle="", **mark))
-    legend_below(figure, [*handles, key("target", **REFERENCE_LINE)], 3)
+    handles += [
+        mark("simulated at the value", hollow=True, color=SOFT_COLOR),
+        mark("simulated at the safe value", color=SOFT_COLOR),
+        key("target", **REFERENCE_LINE),
+    ]
+    legend_below(figure, handles)
     return figure
 
 

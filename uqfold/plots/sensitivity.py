@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from uqfold.checks import choice
-from uqfold.plots.panels import axes_or_new, beside, draw_intervals, key, name_rows
+from uqfold.plots.panels import axes_or_new, draw_rows, mark
 from uqfold.plots.rows import distinct, having, joined, response_of
 from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles
 
@@ -45,24 +45,19 @@ def sobol(table: Frames, ax: Axes | None = None) -> Axes:
     matplotlib.axes.Axes
     """
     frame = joined(table, ("label", "input", "order", "index", "ci_low", "ci_high"), "table")
-    inputs, styles = distinct(frame, "input"), method_styles(distinct(frame, "label"))
-    axes = axes_or_new(ax, height=1.2 + (ROW_INCHES + 0.1) * len(inputs))
-    rows = [(label, order) for label in styles for order in ("main", "total")]
-    for k, (label, order) in enumerate(rows):
-        own = having(having(frame, "label", label), "order", order)
-        y = own["input"].map(inputs.index) + beside(k, len(rows))
-        low = own["ci_low"].clip(lower=SMALLEST_INDEX)
-        high = np.maximum(own["ci_high"], low)
-        value = own["index"].where(own["index"] > SMALLEST_INDEX)
-        draw_intervals(axes, y, value, low, high, styles[label], hollow=order == "total")
-    name_rows(axes, inputs)
+    low = frame["ci_low"].clip(lower=SMALLEST_INDEX)
+    frame = frame.assign(
+        row=frame["input"], series=frame["label"] + ", " + frame["order"], low=low,
+        value=frame["index"].where(frame["index"] > SMALLEST_INDEX),
+        high=np.maximum(frame["ci_high"], low),
+    )  # fmt: skip
+    styles = method_styles(distinct(frame, "label"))
+    axes = axes_or_new(ax, height=1.2 + (ROW_INCHES + 0.1) * frame["input"].nunique())
+    looks = {f"{name}, {one}": styles[name] for name in styles for one in ("main", "total")}
+    draw_rows(axes, frame, looks, hollow=", total")
     axes.set(xscale="log", xlim=(SMALLEST_INDEX, 1.5), xlabel="Sobol' index of the response")
-    handles = [
-        key(label, linestyle="", marker=look.marker, color=look.color)
-        for label, look in styles.items()
-    ]
-    for order, face in (("main", SOFT_COLOR), ("total", "white")):
-        handles.append(key(order, linestyle="", marker="o", color=SOFT_COLOR, markerfacecolor=face))
+    handles = [mark(label, marker=look.marker, color=look.color) for label, look in styles.items()]
+    handles += [mark("main", color=SOFT_COLOR), mark("total", hollow=True, color=SOFT_COLOR)]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.4, -0.25), ncols=2)
     return axes
 
@@ -84,18 +79,16 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
     matplotlib.axes.Axes
     """
     frame = joined(table, DERIVATIVE_NEEDS, "table")
-    frame = frame.assign(row=frame["input"] + ", " + frame["moment"].map(MOMENTS))
+    value, half = frame["per_std"], REACH * frame["per_std_error"]
+    frame = frame.assign(
+        row=frame["input"] + ", " + frame["moment"].map(MOMENTS),
+        series=frame["label" if "label" in frame else "method"],
+        value=value, low=value - half, high=value + half,
+    )  # fmt: skip
     rows = distinct(frame, "row")
-    column = "label" if "label" in frame else "method"
-    styles = method_styles(distinct(frame, column))
     axes = axes_or_new(ax, height=1.2 + ROW_INCHES * len(rows))
     axes.axvline(0.0, color=SOFT_COLOR, linewidth=0.8)
-    for k, (label, look) in enumerate(styles.items()):
-        own = having(frame, column, label)
-        y = own["row"].map(rows.index) + beside(k, len(styles))
-        value, half = own["per_std"], REACH * own["per_std_error"]
-        draw_intervals(axes, y, value, value - half, value + half, look, label=label)
-    name_rows(axes, rows)
+    draw_rows(axes, frame, method_styles(distinct(frame, "series")))
     means = sum(row.endswith(", mean") for row in rows)
     axes.axhline(means - 0.5, color="#BBBBBB", linewidth=0.8)
     axes.set_xlabel("relative change of pf\nper std. dev. of the input")

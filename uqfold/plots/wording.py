@@ -123,11 +123,6 @@ def reference_resolution(row: Row) -> float:
     return float(REFERENCE_STANDARD_ERRORS * row["reference_std_error"] / row["reference_pf"])
 
 
-def finite(values: Iterable[float]) -> list[float]:
-    """Return the finite ones among some numbers."""
-    return [value for value in values if math.isfinite(value)]
-
-
 def in_figure(text: str, most: int = 28) -> str:
     """Return a name as a figure shows it: cut where it is long, and no mathematics.
 
