@@ -306,7 +306,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "KOutOfN": Call(uqfold.KOutOfN, {"k": count()}),
         "Parallel": Call(uqfold.Parallel, {}),
         "PathSets": Call(uqfold.PathSets, {"sets": numbers([[0, 1]])}),
-        "Structure": Call(uqfold.Structure, {"expression": anything("a & b")}),
+        "Structure": Call(uqfold.Structure, {"expression": text("a")}),
         "Series": Call(uqfold.Series, {}),
         "Problem": Call(
             uqfold.Problem,
@@ -918,6 +918,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "mean": any_number(),
                 "shared_std": number().also("zero"),
                 "individual_std": number(),
+                "structure": thing(uqfold.Series()),
             },
         ),
         "testing.LinearNormalSystem.pf": Call(
