@@ -15,7 +15,7 @@ from uqfold.comparison.run import compare as compare
 from uqfold.evaluation.evaluator import Evaluator as Evaluator
 from uqfold.methods.base import ReliabilityMethod as ReliabilityMethod
 from uqfold.methods.result import ReliabilityResult as ReliabilityResult
-from uqfold.problems.base import Problem as Problem, Unit as Unit
+from uqfold.problems.base import Problem as Problem
 from uqfold.problems.criterion import (
     Binomial as Binomial,
     Criteria as Criteria,
@@ -30,5 +30,6 @@ from uqfold.problems.structure import (
     Series as Series,
     Structure as Structure,
 )
+from uqfold.problems.units import Unit as Unit
 
 __version__: str

@@ -23,7 +23,6 @@ from uqfold.methods.base import attempt
 from uqfold.methods.result import Status, reliability_index
 from uqfold.methods.seeding import block_generator, reduced_seed
 from uqfold.problems import Problem
-from uqfold.problems.base import Unit
 from uqfold.problems.criterion import Criterion, criteria
 from uqfold.problems.structure import Parallel
 from uqfold.testing import LinearNormalSystem
@@ -180,21 +179,13 @@ def test_criteria_are_needed_unless_the_problem_has_its_own() -> None:
         Scripted().estimate(SYSTEM.problem(), [3.0])  # type: ignore[list-item]
 
 
-@pytest.mark.parametrize(
-    ("options", "tau"),
-    [
-        ({"units": [Unit(offset=0.1), Unit()]}, None),
-        ({"units": 3, "structure": Parallel()}, 1.0),
-    ],
-)
 @pytest.mark.parametrize("name", list(available()))
-def test_what_no_method_uses_yet_is_unsupported(
-    name: str, options: dict[str, object], tau: float | None
-) -> None:
+def test_tau_needs_a_series(name: str) -> None:
     problem = Problem(
-        SYSTEM.response, inputs=SYSTEM.problem().inputs.distribution, shared=["V"], **options
-    )  # type: ignore[arg-type]
-    row = build(name).estimate(problem, criteria(1.0, tau))[0]
+        SYSTEM.response, inputs=SYSTEM.problem().inputs.distribution, shared=["V"], units=3,
+        structure=Parallel(),
+    )  # fmt: skip
+    row = build(name).estimate(problem, criteria(1.0, tau=1.0))[0]
     assert row.status == "unsupported"
     assert row.n_evals == 0
 

@@ -219,11 +219,10 @@ class TestLayout:
         with pytest.raises(ValueError, match=r"expected \(N, 7\)"):
             event.margin(np.zeros((2, 6)), response)
 
-    @pytest.mark.parametrize(
-        "options", [{"units": [uqfold.Unit()] * 2}, {"units": 2, "structure": uqfold.Parallel()}]
-    )
-    def test_other_systems_are_refused(self, options: dict) -> None:
-        problem = uqfold.Problem(response, individual=[normal(0, 1)] * 3, **options)
+    def test_other_systems_are_refused(self) -> None:
+        problem = uqfold.Problem(
+            response, individual=[normal(0, 1)] * 3, units=2, structure=uqfold.Parallel()
+        )
         with pytest.raises(ValueError, match="no system event"):
             SystemEvent(problem, Criterion(11.0, tau=1.0))
 

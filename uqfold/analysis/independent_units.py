@@ -87,8 +87,8 @@ def independence(
     import pandas as pd
 
     checked_problem(problem)
-    if not isinstance(problem.structure, Series):
-        raise refused("problem", problem, "give units in series")
+    if not (problem.exchangeable and isinstance(problem.structure, Series)):
+        raise refused("problem", problem, "give exchangeable units in series")
     grid = checked_criteria(problem, criteria)
     numbers = several("units", units, whole, at_least=1)
     if not numbers:

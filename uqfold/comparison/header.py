@@ -119,7 +119,14 @@ def _theory(method: type) -> dict[str, Any]:
 def _system(problem: Problem) -> dict[str, Any]:
     joint = problem.inputs
     roles = ["shared"] * joint.n_shared + ["individual"] * joint.n_individual
-    described = zip(joint.names, problem.input_units, roles, joint.columns, strict=True)
+    described = list(zip(joint.names, problem.input_units, roles, joint.columns, strict=True))
+    for unit, kind in zip(problem.unit_names, problem.kinds.of_units, strict=True):
+        own = problem.kinds.inputs[kind]
+        if own is not joint:
+            described += [
+                (f"{name} of {unit}", "", "individual", column)
+                for name, column in zip(own.names, own.columns, strict=True)
+            ][own.n_shared :]
     return {
         "units": problem.n_units,
         "structure": repr(problem.structure),

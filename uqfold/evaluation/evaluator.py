@@ -108,7 +108,7 @@ class Evaluator:
         shelf = None
         if isinstance(self.store, Store):
             shelf = _shelf(self.store, problem)
-        return self._session(problem.model, problem.inputs.dimension, max_evals, shelf)
+        return self._session(problem.kinds.model, problem.kinds.columns, max_evals, shelf)
 
     def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
         """Open the counted access to a bare model, of which nothing is stored."""
@@ -171,7 +171,7 @@ def _shelf(store: Store, problem: Problem) -> Shelf | None:
         )
     else:
         if identity is not None:
-            return Shelf(store, identity, row_by_row=isinstance(problem.model, RowModel))
+            return Shelf(store, identity, row_by_row=isinstance(problem.kinds.model, RowModel))
         reason = f"problem {problem.name!r} does not state the version of its model"
         remedy = "Give Problem(version=...), and another one whenever it changes"
     warnings.warn(f"nothing is stored: {reason}. {remedy}", stacklevel=3)

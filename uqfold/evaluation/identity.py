@@ -36,7 +36,7 @@ def model_identity(problem: Problem) -> bytes | None:
     """
     if problem.version is None:
         return None
-    model = problem.model
+    model = problem.kinds.model
     function = uncompiled(model)
     content = [
         SCHEME,

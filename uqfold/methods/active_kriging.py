@@ -160,6 +160,7 @@ class ActiveKriging(SequentialMethod):
     title: ClassVar[str] = "active Kriging"
     theory: ClassVar[Theory] = ACTIVE_KRIGING
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
     adaptive: ClassVar[bool] = True
 
     runs: int | None = None

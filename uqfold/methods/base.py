@@ -12,7 +12,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
 import numpy as np
 
@@ -51,6 +51,7 @@ from uqfold.time_limit import time_checked_by
 from uqfold.typing import Model
 
 T = TypeVar("T")
+UnitsMayDiffer: TypeAlias = Literal["never", "by offset", "in all"]
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,10 @@ class ReliabilityMethod(ABC):
     """A few words for tables and legends."""
     bounds_failed_runs: ClassVar[bool] = False
     """Whether the hook bounds pf (`pf_low`, `pf_high`) when responses are NaN."""
+    any_structure: ClassVar[bool] = False
+    """Whether structures other than `Series` are answered."""
+    units_may_differ: ClassVar[UnitsMayDiffer] = "never"
+    """Whether units that differ are answered: by their offsets alone, or in every way."""
     adaptive: ClassVar[bool] = False
     """Whether what it has seen decides where it runs the model next. Rounding then decides between
     places that promise the same, so that another machine may take another sample."""
@@ -176,17 +181,23 @@ class ReliabilityMethod(ABC):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
 
-        This default accepts exchangeable units in any structure, under tau in series. A subclass
-        that adds reasons of its own calls it first.
+        This default goes by `any_structure` and `units_may_differ`; tau needs a series, and units
+        that a method does not simulate one by one must then be equal. A subclass that adds reasons
+        of its own calls it first.
         """
         checked_problem(problem)
         instance("criterion", criterion, Criterion, "give a Criterion")
-        if not problem.exchangeable:
+        structure, kinds = problem.structure, problem.kinds
+        if not kinds.equal and self.units_may_differ == "never":
             return f"{self.name} needs exchangeable units (units=<number>)"
-        if criterion.tau is not None and not isinstance(problem.structure, Series):
-            return (
-                f"tau compares all units of a mission: it needs Series(), not {problem.structure}"
-            )
+        if len(kinds.models) > 1 and self.units_may_differ != "in all":
+            return f"{self.name} needs units of one model with the same inputs"
+        if not isinstance(structure, Series) and not self.any_structure:
+            return f"{self.name} needs a series structure, not {structure}"
+        if criterion.tau is not None and not isinstance(structure, Series):
+            return f"tau compares all units of a mission: it needs Series(), not {structure}"
+        if criterion.tau is not None and not kinds.equal and self.units_may_differ != "in all":
+            return f"{self.name} needs exchangeable units under tau"
         return None
 
     @abstractmethod

@@ -11,7 +11,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.conditional_sums import BLOCK_DRAWS, ConditionalSums
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
@@ -88,6 +88,8 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     title: ClassVar[str] = "Conditional Monte Carlo"
     theory: ClassVar[Theory] = CONDITIONAL_MONTE_CARLO
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     blocks: int | None = None
     missions_per_draw: int = 4
@@ -127,7 +129,7 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         arrangements: deque[IntArray] = deque()
 
         # the responses of a block may be there in every arrangement
-        values = per_block * max(task.problem.inputs.dimension, ARRANGEMENTS)
+        values = per_block * max(task.problem.kinds.dimension, ARRANGEMENTS)
         at_once = max(1, min(CHUNK_BLOCKS, BLOCK_VALUES // values))
 
         def rows() -> Iterator[FloatArray]:
@@ -159,8 +161,8 @@ def _draw(task: Task, missions: int, block: int) -> tuple[FloatArray, IntArray]:
     from scipy.special import ndtri
 
     task.session.check_time()
-    inputs, rng = task.problem.inputs, task.generator(block)
-    per_draw = missions * task.problem.n_units
+    inputs, rng, n = task.problem.kinds, task.generator(block), task.problem.n_units
+    per_draw = missions * n
     strata = np.empty((BLOCK_DRAWS, inputs.n_shared))
     for column in strata.T:
         column[:] = rng.permutation(BLOCK_DRAWS)
@@ -169,5 +171,10 @@ def _draw(task: Task, missions: int, block: int) -> tuple[FloatArray, IntArray]:
     shared = ndtri(np.maximum(level, np.finfo(np.float64).tiny))
     individual = rng.standard_normal((BLOCK_DRAWS * per_draw, inputs.n_individual))
     u = np.hstack([np.repeat(shared, per_draw, axis=0), individual])
-    ways = np.stack([rng.permutation(per_draw) for _ in range(ARRANGEMENTS)])
-    return inputs.from_standard_normal(u), ways
+    if inputs.equal:
+        ways = np.stack([rng.permutation(per_draw) for _ in range(ARRANGEMENTS)])
+    else:
+        # each unit keeps its own responses, and meets others of theirs
+        mission = np.tile(np.arange(missions)[:, None], (ARRANGEMENTS, 1, n))
+        ways = (rng.permuted(mission, axis=1) * n + np.arange(n)).reshape(ARRANGEMENTS, -1)
+    return inputs.rows(u.reshape(-1, n, inputs.dimension)).reshape(-1, inputs.columns), ways

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 
 from uqfold.checks import choice, keep, or_none, whole
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_design import (
     FFNIDetails,
@@ -27,6 +27,7 @@ from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
+from uqfold.system.structure import SystemUnits
 
 Family = Literal["pearson", "normal"]
 _BEYOND_END = 0.05
@@ -70,6 +71,8 @@ class FFNIPearson(ReliabilityMethod):
     title: ClassVar[str] = "FFNI + Pearson"
     theory: ClassVar[Theory] = PEARSON
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
 
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
@@ -99,10 +102,12 @@ class FFNIPearson(ReliabilityMethod):
             sampled = sampled_failure(task, responses, details, self.rows, doubts)
             return Solution(sampled, details)
 
+        units = SystemUnits.of(task.problem)
+
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            return _doubts(criteria, found, details)
+            return _doubts(units, criteria, found, details)
 
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         return Solution(estimates, details)
@@ -116,10 +121,14 @@ class FFNIPearson(ReliabilityMethod):
 
 
 def _doubts(
-    criteria: Sequence[Criterion], found: Sequence[SystemProbability], details: FFNIDetails
+    units: SystemUnits,
+    criteria: Sequence[Criterion],
+    found: Sequence[SystemProbability],
+    details: FFNIDetails,
 ) -> list[str]:
     """Return where the threshold lies beyond the end of a bounded distribution."""
-    thresholds = np.array([criterion.threshold for criterion in criteria])
+    # the unit that fails last is the first to lie beyond
+    thresholds = units.thresholds([criterion.threshold for criterion in criteria]).max(axis=0)
     beyond = np.zeros(thresholds.size)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):
         if isinstance(distribution, PearsonDistribution):

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.checks import keep
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_design import (
     FFNIDetails,
@@ -24,6 +24,7 @@ from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
+from uqfold.system.structure import SystemUnits
 
 _MATTERS = 1e-3
 """Share of pf from which a fallback at one node makes the whole answer doubtful."""
@@ -60,6 +61,8 @@ class FFNISaddlepoint(ReliabilityMethod):
     title: ClassVar[str] = "FFNI + saddlepoint"
     theory: ClassVar[Theory] = SADDLEPOINT
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
 
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
@@ -87,7 +90,7 @@ class FFNISaddlepoint(ReliabilityMethod):
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            return _doubts(task.problem.n_units, criteria, found, details)
+            return _doubts(SystemUnits.of(task.problem), criteria, found, details)
 
         nodes = self.nodes_shared, self.nodes_individual
         doubts = doubts_about_nodes(task.problem.inputs, *nodes)
@@ -96,21 +99,21 @@ class FFNISaddlepoint(ReliabilityMethod):
 
 
 def _doubts(
-    units: int,
+    units: SystemUnits,
     criteria: Sequence[Criterion],
     found: Sequence[SystemProbability],
     details: FFNIDetails,
 ) -> list[str]:
     """Return where the fallback answered at a node that contributes to pf."""
-    thresholds = np.array([criterion.threshold for criterion in criteria])
+    thresholds = units.thresholds([criterion.threshold for criterion in criteria])
     missions = np.array([float(criterion.max_missions) for criterion in criteria])
     pf = np.array([one.pf for one in found])
     fallbacks = np.zeros(len(criteria), dtype=int)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):
         if isinstance(distribution, SaddlepointDistribution):
             value = distribution.evaluate(thresholds)
-            share = weight * units * missions * np.minimum(value.cdf, value.sf)
-            fallbacks += value.fallback & (share > _MATTERS * pf)
+            share = weight * units.count * missions * np.minimum(value.cdf, value.sf)
+            fallbacks += (value.fallback & (share > _MATTERS * pf)).any(axis=0)
     return [
         f"no admissible saddlepoint at {count} of {len(details.weights)} shared nodes; the "
         "Pearson distribution answers there"

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 from uqfold.checks import choice, keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod, Steps
-from uqfold.methods.base import Solution, Task
+from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.growing_design import grown
 from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
@@ -105,6 +105,8 @@ class Kriging(SequentialMethod):
     title: ClassVar[str] = "Kriging"
     theory: ClassVar[Theory] = KRIGING
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
 
     runs: int | None = None
     trend: Trend = "best"

@@ -12,7 +12,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
 from uqfold.methods.system_sample import (
@@ -93,6 +93,8 @@ class MonteCarlo(ReliabilityMethod):
     title: ClassVar[str] = "Monte Carlo"
     theory: ClassVar[Theory] = MONTE_CARLO
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     systems: int | None = None
     target_cov: float | None = None

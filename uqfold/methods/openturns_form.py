@@ -111,6 +111,7 @@ class OpenTURNSFORM(ReliabilityMethod):
     name: ClassVar[str] = "openturns-form"
     title: ClassVar[str] = "FORM (OpenTURNS)"
     theory: ClassVar[Theory] = FORM
+    any_structure: ClassVar[bool] = True
 
     algorithms: tuple[Algorithm, ...] = ("AbdoRackwitz", "SQP", "Cobyla")
     step: float = 0.2

@@ -13,7 +13,7 @@ from uqfold.checks import keep, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.openturns_stream import RandomStream
 from uqfold.methods.result import Estimate, Status
@@ -101,6 +101,8 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
     theory: ClassVar[Theory] = OPENTURNS_MONTE_CARLO
     stochastic: ClassVar[bool] = True
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     target_cov: float = 0.1
     block_size: int = 200
@@ -143,7 +145,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
 
     def _blocks(self, event: SystemEvent, share: int | None) -> tuple[int, int]:
         """Size and largest number of blocks that a share of the budget allows."""
-        values = event.max_evals_per_sample * event.problem.inputs.dimension
+        values = event.max_evals_per_sample * event.problem.kinds.dimension
         longest = min(self.block_size, max(1, BLOCK_VALUES // values))
         if share is None:
             samples, most = self.max_samples, longest

@@ -139,6 +139,7 @@ def _sums(task: Task, y: FloatArray, units: SystemUnits) -> FloatArray:
     k missions fail depends on T through one number, so that sorting it answers all thresholds.
     """
     found = np.zeros((2, len(task.criteria)))
+    y = units.shifted(y)
     for tau, rows in grouped(task.criteria, lambda criterion: criterion.tau):
         criteria = [task.criteria[row] for row in rows]
         thresholds = np.array([criterion.threshold for criterion in criteria])

@@ -13,7 +13,7 @@ from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
 from uqfold.methods.ask_tell import SequentialMethod, Steps
-from uqfold.methods.base import Solution, Task
+from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
 from uqfold.methods.growing_design import grown
@@ -113,6 +113,8 @@ class PolynomialChaos(SequentialMethod):
     title: ClassVar[str] = "Polynomial chaos"
     theory: ClassVar[Theory] = POLYNOMIAL_CHAOS
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
 
     runs: int | None = None
     sparse: bool = True

@@ -257,7 +257,11 @@ def _answered(
     def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
         changes = system.changes_given(drawn, criteria)
         # a surface that misses its own runs by more than it says is believed nowhere
-        factor = [_overconfidence(validated, known, one.threshold) for one in criteria]
+        of_units = system.units.thresholds([one.threshold for one in criteria])
+        factor = [
+            max(_overconfidence(validated, known, threshold) for threshold in column)
+            for column in of_units.T.tolist()
+        ]
         spread = np.array(factor) * changes[:_DRAWS].std(axis=0, ddof=1)
         if rivals:
             distance = shares[:, None] * changes[_DRAWS:]
@@ -277,7 +281,7 @@ def _answered(
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
-        sides = [_step(known, criterion) for criterion in criteria] if stepped else []
+        sides = [_step(known, criterion, system.units) for criterion in criteria] if stepped else []
         for side in zip(*sides, strict=True):
             beyond = reliability_indices(system.failures_given(responses, side))
             # the border lies somewhere in the step: two standard deviations reach its end
@@ -335,22 +339,21 @@ def _overconfidence(validated: LeaveOneOut, y: FloatArray, threshold: float) -> 
     return max(1.0, validated.ratio, near.ratio if near.ratio > _BY_CHANCE else 0.0)
 
 
-def _step(y: FloatArray, criterion: Criterion) -> tuple[Criterion, Criterion]:
+def _step(y: FloatArray, criterion: Criterion, units: SystemUnits) -> tuple[Criterion, Criterion]:
     """Return a criterion at both ends of the step of the responses in which its threshold lies.
 
     Different inputs that give the same response to the last bit lie on a plateau, in which a
     smooth surface bends: where it crosses the threshold says nothing of where the step is.
     """
     values, counts = np.unique(y, return_counts=True)
-    above = int(np.searchsorted(values, criterion.threshold, side="right"))
-    ends = [i for i in (above - 1, above) if 0 <= i < values.size]
-    if not any(counts[i] > 1 for i in ends):
-        return criterion, criterion
-    low, high = float(values[ends[0]]), float(values[ends[-1]])
-    return (
-        replace(criterion, threshold=min(low, criterion.threshold)),
-        replace(criterion, threshold=max(high, criterion.threshold)),
-    )
+    low = high = criterion.threshold
+    for offset in units.offsets.tolist():
+        above = int(np.searchsorted(values, criterion.threshold - offset, side="right"))
+        ends = [i for i in (above - 1, above) if 0 <= i < values.size]
+        if any(counts[i] > 1 for i in ends):
+            low = min(low, float(values[ends[0]]) + offset)
+            high = max(high, float(values[ends[-1]]) + offset)
+    return replace(criterion, threshold=low), replace(criterion, threshold=high)
 
 
 def _estimates(

@@ -86,12 +86,20 @@ def header(
         "n_shared": problem.inputs.n_shared,
         "distribution": _fingerprint(problem),
         "units": problem.n_units,
+        **_differences(problem),
         "structure": repr(problem.structure),
         "criteria": [repr(criterion) for criterion in criteria],
         "seed": seed,
         "max_evals": session.max_evals,
         "failed_runs": session.failed_runs,
     }
+
+
+def _differences(problem: Problem) -> dict[str, Any]:
+    """Return what sets units apart that differ by more than their own draws."""
+    if problem.exchangeable:
+        return {}
+    return {"names": list(problem.unit_names), "offsets": problem.kinds.offsets.tolist()}
 
 
 def _fingerprint(problem: Problem) -> str:

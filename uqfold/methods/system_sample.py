@@ -41,7 +41,7 @@ def too_large(name: str, problem: Problem, criterion: Criterion) -> str | None:
         What is asked.
     """
     missions, units = criterion.max_missions, problem.n_units
-    values = missions * units * problem.inputs.dimension
+    values = missions * units * problem.kinds.dimension
     if values < LARGEST_SYSTEM:
         return None
     return (
@@ -54,7 +54,7 @@ def too_large(name: str, problem: Problem, criterion: Criterion) -> str | None:
 def block_systems(problem: Problem, criteria: Sequence[Criterion]) -> int:
     """Return how many systems are drawn from one random stream."""
     missions = max(c.max_missions for c in criteria)
-    values = missions * problem.n_units * problem.inputs.dimension
+    values = missions * problem.n_units * problem.kinds.dimension
     return max(1, min(BLOCK_SYSTEMS, BLOCK_VALUES // values))
 
 
@@ -162,7 +162,7 @@ def draw_systems(
     size
         Number of systems.
     """
-    inputs, missions = problem.inputs, max(c.max_missions for c in criteria)
+    inputs, missions = problem.kinds, max(c.max_missions for c in criteria)
     shape = (size, missions, problem.n_units)
     u = np.empty((*shape, inputs.dimension))
     u[..., : inputs.n_shared] = rng.standard_normal((size, 1, 1, inputs.n_shared))
@@ -175,8 +175,7 @@ def draw_systems(
     # missions that no criterion looks at are drawn, to keep the stream in step, but not run
     longest = np.maximum.reduce(list(flown.values()))
     rows = np.arange(missions) < longest[:, None]
-    x = inputs.from_standard_normal(u.reshape(-1, inputs.dimension))
-    x = x.reshape(*shape, inputs.dimension)[rows].reshape(-1, inputs.dimension)
+    x = inputs.rows(u)[rows].reshape(-1, inputs.columns)
     return SystemBlock(criteria, x, rows, SystemUnits.of(problem), flown)
 
 

@@ -1,4 +1,5 @@
-from uqfold.problems.base import Problem as Problem, Unit as Unit
+from uqfold.problems.base import Problem as Problem
+from uqfold.problems.units import Unit as Unit
 from uqfold.problems.four_bar_linkage import four_bar as four_bar
 from uqfold.problems.four_branch_system import four_branch as four_branch
 from uqfold.problems.reference import Reference as Reference, ReferenceTable as ReferenceTable

@@ -12,13 +12,10 @@ import numpy as np
 from uqfold.checks import (
     function,
     instance,
-    keep,
     or_none,
-    real,
     refused,
     several,
     text,
-    whole,
 )
 from uqfold.checks import (
     names as checked_names,
@@ -27,6 +24,7 @@ from uqfold.inputs import JointInputs, joint_inputs, product_inputs
 from uqfold.problems.criterion import Criteria, criteria
 from uqfold.problems.responses import numbers_in
 from uqfold.problems.structure import Series, SystemStructure, checked_structure
+from uqfold.problems.units import Unit, UnitKinds, checked_units
 from uqfold.typing import FloatArray, Model
 
 if TYPE_CHECKING:
@@ -34,33 +32,6 @@ if TYPE_CHECKING:
 
 LIMIT_STATE_THRESHOLD = float(np.nextafter(0.0, -1.0))
 """Threshold of a plain limit state: failure is g <= 0, so y = -g works only below zero."""
-
-
-@dataclass(frozen=True, eq=False)
-class Unit:
-    """One unit that differs from the others.
-
-    Attributes
-    ----------
-    model
-        Its own response model, or None for the problem's.
-    individual
-        Its own distribution of the individual inputs, or None for the problem's.
-    offset
-        Added to its response, in the response's unit.
-    name
-        How reports call it.
-    """
-
-    model: Model | None = None
-    individual: Any = None
-    offset: float = 0.0
-    name: str = ""
-
-    def __post_init__(self) -> None:
-        keep(self, "model", or_none, function, "give a function of X (n, d)")
-        keep(self, "offset", real)
-        keep(self, "name", text, empty=True)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -115,6 +86,7 @@ class Problem:
     model: Model
     inputs: JointInputs
     units: int | tuple[Unit, ...]
+    kinds: UnitKinds
     structure: SystemStructure
     low_fidelity: Model | None
     version: str | None
@@ -165,7 +137,7 @@ class Problem:
         fields: dict[str, Any] = {
             "model": model,
             "inputs": joint,
-            "units": _checked_units(units),
+            "units": checked_units(units),
             "structure": Series() if structure is None else structure,
             "low_fidelity": low_fidelity,
             "version": or_none("version", version, text),
@@ -180,6 +152,16 @@ class Problem:
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
+        if inputs is not None and not isinstance(self.units, int):
+            own = [unit for unit in self.units if unit.individual is not None]
+            if own:
+                remedy = "with inputs=, all units have the same; give shared= and individual="
+                raise refused("units", own[0], remedy)
+        kinds = UnitKinds.of(self.units, model, joint, shared)
+        object.__setattr__(self, "kinds", kinds)
+        if len(kinds.models) == 1:
+            object.__setattr__(self, "model", kinds.model)
+            object.__setattr__(self, "inputs", kinds.inputs[0])
         if self.structure != Series():
             checked_structure(self.structure, self.unit_names)
 
@@ -242,6 +224,8 @@ class Problem:
         changed = copy(self)
         inputs = self.inputs.with_moments(means, standard_deviations)
         object.__setattr__(changed, "inputs", inputs)
+        kinds = self.kinds.with_moments(means or {}, standard_deviations or {}, self.inputs)
+        object.__setattr__(changed, "kinds", kinds)
         object.__setattr__(changed, "references", None)
         return changed
 
@@ -258,8 +242,8 @@ class Problem:
 
     @property
     def exchangeable(self) -> bool:
-        """Whether all units share one model and one distribution."""
-        return isinstance(self.units, int)
+        """Whether all units share one model and one distribution, without offsets."""
+        return self.kinds.equal
 
     def __repr__(self) -> str:
         return (
@@ -291,14 +275,6 @@ def _names_of_shared(shared: Any) -> Sequence[str]:
         return checked_names("shared", shared)
     except (TypeError, ValueError) as error:
         raise type(error)(f"{error}; with inputs=, shared= is a list of input names") from None
-
-
-def _checked_units(units: Any) -> int | tuple[Unit, ...]:
-    if isinstance(units, Sequence) and not isinstance(units, str | bytes | bytearray):
-        if not units:
-            raise refused("units", units, "give at least one Unit")
-        return several("units", units, instance, Unit, "give a Unit")
-    return whole("units", units, at_least=1, what="list of Unit or a whole number")
 
 
 def _checked_references(references: ReferenceTable | None) -> ReferenceTable | None:

@@ -42,6 +42,7 @@ class Worst:
         cls, y: FloatArray, *, missing_fails: bool, units: SystemUnits | None = None
     ) -> Worst:
         """Return the worst (...) of missions with the responses y (..., n); see `mission_fails`."""
+        y = y if units is None else units.shifted(y)
         if units is not None and units.diagram is not None:
             late = _response(y, units, missing_fails)
             return cls(late, np.full_like(late, -np.inf))
@@ -126,6 +127,7 @@ def mission_margin(
         Shape (...), in the unit of the response; +inf where an infinite response or a failed run
         fails the mission, -inf where nothing can fail it.
     """
+    y = y if units is None else units.shifted(y)
     if units is not None and units.diagram is not None:
         late = _response(y, units, missing_fails)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -166,22 +168,20 @@ class SystemEvent:
     Attributes
     ----------
     problem
-        The system, of exchangeable units.
+        The system.
     criterion
         What "works" means.
 
     Raises
     ------
     ValueError
-        If the units differ, or there is a tau and the structure is not a series.
+        If there is a tau and the structure is not a series.
     """
 
     problem: Problem
     criterion: Criterion
 
     def __post_init__(self) -> None:
-        if not self.problem.exchangeable:
-            raise ValueError(f"{self.problem!r} has no system event: give units=<number>")
         if self.criterion.tau is not None and self.units.diagram is not None:
             raise ValueError(f"{self.problem!r} has no system event under tau: give Series()")
 
@@ -198,9 +198,9 @@ class SystemEvent:
     @property
     def dimension(self) -> int:
         """Number of standard-normal variables."""
-        inputs = self.problem.inputs
-        individual = self.criterion.max_missions * self.problem.n_units * inputs.n_individual
-        return inputs.n_shared + individual + int(self.random_missions)
+        kinds = self.problem.kinds
+        individual = self.criterion.max_missions * self.problem.n_units * kinds.n_individual
+        return kinds.n_shared + individual + int(self.random_missions)
 
     @property
     def max_evals_per_sample(self) -> int:
@@ -262,14 +262,14 @@ class SystemEvent:
 
     def _inputs(self, u: FloatArray, flown: BoolArray) -> FloatArray:
         """Return the inputs X (k n, d) of the k missions that are flown, sample by sample."""
-        inputs, units = self.problem.inputs, self.problem.n_units
+        inputs, units = self.problem.kinds, self.problem.n_units
         sample, mission = np.nonzero(flown)
         end = inputs.n_shared + flown.shape[1] * units * inputs.n_individual
         individual = u[:, inputs.n_shared : end].reshape(*flown.shape, units, inputs.n_individual)
         z = np.empty((sample.size, units, inputs.dimension))
         z[:, :, : inputs.n_shared] = u[sample, None, : inputs.n_shared]
         z[:, :, inputs.n_shared :] = individual[sample, mission]
-        return inputs.from_standard_normal(z.reshape(-1, inputs.dimension))
+        return inputs.rows(z).reshape(-1, inputs.columns)
 
     @cached_property
     def _mission_bounds(self) -> FloatArray:

@@ -109,7 +109,7 @@ def _over_units(
     from scipy.special import log_ndtr, ndtr
 
     if units.diagram is not None:
-        failure, success = units.mission(ndtr(x), ndtr(-x))
+        failure, success = units.mission(ndtr(x)[None], ndtr(-x)[None])
     else:
         log_works = units.count * log_ndtr(-x)
         failure, success = -np.expm1(log_works), np.exp(log_works)

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache, reduce
 from typing import TypeAlias
 
@@ -145,10 +145,19 @@ class SystemUnits:
         Number of units n.
     diagram
         When the system fails; None where every unit must work, which needs no diagram.
+    offsets
+        What is added to the response of units: the different values (J,).
+    of_offsets
+        Which of them each unit (n,) has.
+    equal
+        Whether all units are alike.
     """
 
     count: int
     diagram: Diagram | None = None
+    offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
+    of_offsets: IntArray | None = None
+    equal: bool = True
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -167,29 +176,51 @@ class SystemUnits:
             return problem
         if isinstance(problem, int):
             return cls(problem)
-        if isinstance(problem.structure, Series):
-            return cls(problem.n_units)
-        return cls(problem.n_units, diagram(problem.structure, problem.unit_names))
+        in_series = isinstance(problem.structure, Series)
+        found = None if in_series else diagram(problem.structure, problem.unit_names)
+        if problem.exchangeable:
+            return cls(problem.n_units, found)
+        offsets, of_units = np.unique(problem.kinds.offsets, return_inverse=True)
+        return cls(problem.n_units, found, offsets, of_units, equal=False)
+
+    def thresholds(self, thresholds: ArrayLike) -> FloatArray:
+        """Response (J, ...) without offset at which units of each offset fail, from T (...)."""
+        asked = np.asarray(thresholds, dtype=float)
+        return asked - self.offsets.reshape(-1, *[1] * asked.ndim)
 
     def mission(self, fails: FloatArray, works: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Failure and success (...) of one mission whose units are equal, from those (...) of one.
+        """Failure and success (...) of one mission, from those (J, ...) of units of each offset.
 
         Both are used, each where it is the accurate one.
         """
+        index = self.of_offsets
         if self.diagram is not None:
-            shape = (self.count, *fails.shape)
+            if index is not None:
+                return self.diagram.probabilities(fails[index], works[index])
+            shape = (self.count, *fails.shape[1:])
             return self.diagram.probabilities(
                 np.broadcast_to(fails, shape), np.broadcast_to(works, shape)
             )
+        counts = [self.count] if index is None else np.bincount(index).tolist()
         with np.errstate(divide="ignore"):
             log_works = np.where(fails < 0.5, np.log1p(-np.minimum(fails, 0.5)), np.log(works))
-        return -np.expm1(self.count * log_works), np.exp(self.count * log_works)
+        whole = sum(count * one for count, one in zip(counts, log_works, strict=True))
+        return -np.expm1(whole), np.exp(whole)
+
+    def shifted(self, y: FloatArray) -> FloatArray:
+        """Responses (..., n) of units with their offsets added."""
+        return y if self.of_offsets is None else y + self.offsets[self.of_offsets]
 
     def response(self, y: FloatArray) -> FloatArray:
         """Response (...) of the system to those (..., n) of its units, none of them NaN."""
         if self.diagram is None:
             return np.asarray(y.max(axis=-1))
         return self.diagram.response(np.moveaxis(y, -1, 0))
+
+    @property
+    def shift(self) -> float:
+        """Offset of the system where all units give one and the same response."""
+        return float(self.response(self.shifted(np.zeros(self.count))))
 
 
 @lru_cache(maxsize=16)

@@ -223,7 +223,8 @@ class SurfaceSystem:
         if not self.together:
             return system_failures(responses, rule.weights, self.units, criteria)
         # tau = 0 still refuses infinite responses, which have no difference
-        alone = [Criterion(c.threshold, None if c.tau is None else 0.0) for c in criteria]
+        shift = self.units.shift
+        alone = [Criterion(c.threshold - shift, None if c.tau is None else 0.0) for c in criteria]
         found = system_failures(responses, rule.weights, 1, alone)
         return [_if_flown(one, c) for one, c in zip(found, criteria, strict=True)]
 

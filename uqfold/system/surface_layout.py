@@ -75,7 +75,7 @@ def laid_out(
     together = single or n_shared == dimension
     most = units.count * max((one.max_missions for one in criteria), default=1)
     max_points = min(max_points, _MOST_NUMBERS // dimension)
-    asked = _thresholds(criteria)
+    asked = _thresholds(units, criteria)
     # with a shared input or tau, responses matter that lie between the thresholds and the body
     alone = together and all(one.tau is None for one in criteria)
     plan = plan_surface(
@@ -111,9 +111,9 @@ def surface_failures(
     return system.failures(surface, criteria)
 
 
-def _thresholds(criteria: Sequence[Criterion]) -> FloatArray:
-    """Thresholds T that tables are to hold exactly: all, or some spread among many."""
-    asked = np.unique([one.threshold for one in criteria])
+def _thresholds(units: SystemUnits, criteria: Sequence[Criterion]) -> FloatArray:
+    """Thresholds of units that tables are to hold exactly: all, or some spread among many."""
+    asked = np.unique(units.thresholds([one.threshold for one in criteria]))
     if asked.size > _MOST_EXACT:
         asked = asked[np.linspace(0, asked.size - 1, _MOST_EXACT).round().astype(int)]
     return np.asarray(asked)

@@ -68,7 +68,8 @@ def mission_probability(
     Raises
     ------
     ValueError
-        For units < 1, a NaN threshold, a negative or NaN tau, or tau where a unit may fail.
+        For units < 1, a NaN threshold, a negative or NaN tau, or tau with units
+        that differ or may fail.
     TypeError
         If tau is given and a distribution has no density to integrate over.
     """
@@ -80,15 +81,16 @@ def mission_probability(
         raise ValueError(f"tau = {tau}: give a synchronization threshold >= 0, or None for none")
     if tau is None:
         return _unsynchronized(unit, units, thresholds)
-    if units.diagram is not None:
-        raise ValueError(f"tau = {tau}: all units of a mission are compared, which needs Series()")
+    if units.diagram is not None or not units.equal:
+        raise ValueError(f"tau = {tau}: it needs equal units in Series()")
     return _synchronized(unit, units, thresholds, tau)
 
 
 def _unsynchronized(
     unit: UnitResponse, units: SystemUnits, thresholds: FloatArray
 ) -> MissionProbability:
-    cdf, sf = unit.tails(thresholds)
+    asked = units.thresholds(thresholds)
+    cdf, sf = (tail.reshape(asked.shape) for tail in unit.tails(asked.ravel()))
     fails = unit.p_never + unit.p_finite * sf
     works = unit.p_always + unit.p_finite * cdf
     high = units.mission(fails + unit.p_missing, works)
@@ -102,9 +104,11 @@ def _synchronized(
     bad, missing = unit.p_never + unit.p_always, unit.p_missing
     cdf, sf = unit.tails(thresholds)
     inside, outside = unit.p_finite * cdf, unit.p_finite * sf
-    high = units.mission(bad + missing + outside, inside)
+    high = units.mission((bad + missing + outside)[None], inside[None])
     # no unit with an answer: nothing is seen to fail
-    low = units.mission(bad + outside, missing + inside) if missing > 0 else high
+    low = high
+    if missing > 0:
+        low = units.mission((bad + outside)[None], (missing + inside)[None])
     if units.count == 1 or unit.p_finite == 0.0 or math.isinf(tau):
         return MissionProbability(*high, *low)
     ignored = [0.0, missing] if missing > 0 else [0.0]

@@ -1,0 +1,232 @@
+"""Units with models, inputs and offsets of their own, in any structure, against quadrature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ndtr
+
+from uqfold import (
+    Binomial,
+    Criterion,
+    CutSets,
+    Evaluator,
+    KOutOfN,
+    Problem,
+    Series,
+    Structure,
+    Unit,
+    evaluation,
+)
+from uqfold.inputs import normal
+from uqfold.methods import (
+    ConditionalMonteCarlo,
+    FFNIPearson,
+    FFNISaddlepoint,
+    Kriging,
+    MonteCarlo,
+    OpenTURNSMonteCarlo,
+    PolynomialChaos,
+    ReliabilityMethod,
+    available,
+    build,
+)
+from uqfold.problems.structure import SystemStructure
+from uqfold.testing.linear_normal import _works
+from uqfold.typing import FloatArray
+
+INPUTS = {"shared": {"V": normal(0, 1)}, "individual": {"U": normal(0, 1)}}
+
+
+def pump(x: FloatArray) -> FloatArray:
+    return 0.6 * x[:, 0] + 0.8 * x[:, 1]
+
+
+def valve(x: FloatArray) -> FloatArray:
+    """A model with two inputs of its own, W and Z."""
+    return 0.4 * x[:, 0] + 0.5 * x[:, 1] - 0.5 * x[:, 2]
+
+
+VALVE = Unit(valve, [normal(0.2, 1), normal(0, 0.5)], name="valve")
+PUMPS = [Unit(name="pump_a"), Unit(offset=-0.3, name="pump_b")]
+SYSTEM = Structure("pump_a & pump_b | valve")
+
+
+def failing(unit: Unit, threshold: float, v: float) -> float:
+    if unit.model is valve:
+        return float(ndtr((0.1 + 0.4 * v - threshold) / math.hypot(0.5, 0.25)))
+    return float(ndtr((0.6 * v + unit.offset - threshold) / 0.8))
+
+
+def exact(units: Sequence[Unit], structure: SystemStructure, criterion: Criterion) -> float:
+    """Sum over the states of the units, and one integral over the common cause."""
+    names = [unit.name or f"u{i}" for i, unit in enumerate(units)]
+    renamed = structure
+    if isinstance(structure, Structure):
+        text = structure.expression
+        for i, name in enumerate(names):
+            text = text.replace(name, f"u{i}")
+        renamed = Structure(text)
+    states = list(product((False, True), repeat=len(units)))
+    broken = np.array([works for works in states if not _works(renamed, works)])
+    missions = criterion.missions
+    number = missions.planned if isinstance(missions, Binomial) else missions
+    flown = missions.p if isinstance(missions, Binomial) else 1.0
+
+    def integrand(v: float) -> float:
+        p = np.array([failing(unit, criterion.threshold, v) for unit in units])
+        one = float(np.where(broken, 1.0 - p, p).prod(axis=1).sum())
+        failure = -math.expm1(number * math.log1p(-flown * min(one, 1.0 - 1e-16)))
+        return failure * math.exp(-0.5 * v * v)
+
+    return quad(integrand, -9, 9, epsabs=0, epsrel=1e-9)[0] / math.sqrt(2 * math.pi)
+
+
+CRITERIA = [Criterion(0.6), Criterion(1.0, missions=3), Criterion(0.8, missions=Binomial(4, 0.6))]
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        MonteCarlo(systems=20_000),
+        ConditionalMonteCarlo(blocks=100, missions_per_draw=4),
+        OpenTURNSMonteCarlo(target_cov=0.03, max_samples=20_000),
+    ],
+    ids=lambda one: one.name,
+)
+def test_simulation_takes_units_of_any_kind(method: ReliabilityMethod) -> None:
+    """`Unit` with a model, inputs and offset of its own was ``unsupported`` everywhere."""
+    units = [*PUMPS, VALVE]
+    problem = Problem(pump, **INPUTS, units=units, structure=SYSTEM)
+    result = method.estimate(problem, CRITERIA, rng=5)
+    for criterion, row in zip(CRITERIA, result, strict=True):
+        truth = exact(units, SYSTEM, criterion)
+        assert abs(row.pf - truth) < 4.5 * row.std_error, (row, truth)
+        assert row.std_error < 0.1 * truth
+
+
+def test_conditional_monte_carlo_states_an_honest_error_for_units_that_differ() -> None:
+    """Each unit keeps its own responses when they are put together anew: no bias over 60 seeds."""
+    units = [*PUMPS, VALVE]
+    problem = Problem(pump, **INPUTS, units=units, structure=KOutOfN(2))
+    criterion = Criterion(0.6, missions=2)
+    truth, method = exact(units, KOutOfN(2), criterion), ConditionalMonteCarlo(blocks=12)
+    rows = [method.estimate(problem, criterion, rng=seed)[0] for seed in range(60)]
+    z = np.array([(row.pf - truth) / row.std_error for row in rows])
+    assert abs(z.mean()) < 0.65
+    assert 0.6 < z.std() < 1.5
+
+
+def test_tau_compares_units_that_differ() -> None:
+    """In series, by simulation: an offset larger than tau alone sets the units apart."""
+    units = [Unit(), Unit(offset=50.0)]
+    problem = Problem(pump, **INPUTS, units=units)
+    asked = [Criterion(100.0, tau=40.0), Criterion(100.0, tau=60.0)]
+    for method in (MonteCarlo(systems=100), ConditionalMonteCarlo(blocks=2)):
+        assert [row.pf for row in method.estimate(problem, asked, rng=1)] == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("method", "tolerance"),
+    [
+        (PolynomialChaos(runs=25, max_degree=2), 1e-8),
+        (Kriging(runs=40, kernel="gaussian", trend="linear"), 1e-5),
+        (FFNISaddlepoint(nodes_shared=24), 1e-4),
+        (FFNIPearson(nodes_shared=24), 1e-4),
+    ],
+    ids=lambda one: getattr(one, "name", ""),
+)
+@pytest.mark.parametrize("structure", [Series(), CutSets([[0, 1], [1, 2]])])
+def test_offsets_need_no_surface_of_their_own(
+    method: ReliabilityMethod, tolerance: float, structure: SystemStructure
+) -> None:
+    units = [Unit(), Unit(offset=-0.3), Unit(offset=0.2)]
+    problem = Problem(pump, **INPUTS, units=units, structure=structure)
+    result = method.estimate(problem, CRITERIA, rng=2)
+    for criterion, row in zip(CRITERIA, result, strict=True):
+        assert row.status in {"converged", "unchecked"}
+        assert row.pf == pytest.approx(exact(units, structure, criterion), rel=tolerance)
+
+
+def test_offsets_of_units_that_share_everything() -> None:
+    """Nothing individual: the structure of the offsets is the offset of the system."""
+    units = [Unit(), Unit(offset=0.5), Unit(offset=1.0)]
+    problem = Problem(
+        lambda x: x[:, 0], shared={"V": normal(0, 1)}, units=units, structure=KOutOfN(2)
+    )
+    row = PolynomialChaos(runs=10).estimate(problem, Criterion(1.5, missions=7), rng=1)[0]
+    assert row.pf == pytest.approx(float(ndtr(-1.0)), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", list(available()))
+def test_what_a_method_cannot_answer_it_says_before_any_run(name: str) -> None:
+    simulates = name in {"mc", "conditional-mc", "openturns-mc"}
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
+    assert (build(name).supports(problem, Criterion(1.0)) is None) == simulates
+    problem = Problem(pump, **INPUTS, units=PUMPS)
+    by_offset = simulates or name in {"kriging", "pce", "ffni-spa", "ffni-pearson"}
+    assert (build(name).supports(problem, Criterion(1.0)) is None) == by_offset
+    assert (build(name).supports(problem, Criterion(1.0, tau=1.0)) is None) == simulates
+
+
+def test_units_of_one_kind_are_one_problem() -> None:
+    """A model that all units share is that of the problem; without offsets they are equal."""
+    own = [Unit(valve, VALVE.individual, name=name) for name in "ab"]
+    problem = Problem(pump, **INPUTS, units=own)
+    assert problem.exchangeable
+    assert problem.model is valve
+    assert problem.inputs.n_individual == 2
+    row = PolynomialChaos(runs=40, max_degree=2).estimate(problem, Criterion(0.8), rng=1)[0]
+    assert row.pf == pytest.approx(exact(own, Series(), Criterion(0.8)), rel=1e-5)
+
+
+def test_other_moments_of_a_shared_input_reach_all_kinds() -> None:
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE]).with_moments(
+        means={"V": 2.0, "U": 1.0}
+    )
+    first, second = problem.kinds.inputs
+    assert first.means.tolist() == [2.0, 1.0]
+    assert second.means.tolist() == [2.0, 0.2, 0.0]
+
+
+def test_a_failed_run_of_one_kind_leaves_the_other_rows_alone() -> None:
+    def lost(x: FloatArray) -> FloatArray:
+        if (x[:, 1] > 1.0).any():
+            raise ArithmeticError("out of range")
+        return valve(x)
+
+    units = [*PUMPS, Unit(lost, VALVE.individual, name="valve")]
+    problem = Problem(pump, **INPUTS, units=units, structure=SYSTEM)
+    row = MonteCarlo(systems=300).estimate(problem, Criterion(0.6), rng=1)[0]
+    whole = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
+    known = MonteCarlo(systems=300).estimate(whole, Criterion(0.6), rng=1)[0]
+    assert row.n_failed > 0
+    assert row.pf_low <= known.pf <= row.pf_high
+    assert row.pf_low < row.pf_high
+    assert "out of range" in row.message
+
+
+def test_units_that_differ_are_stored(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM, version="1")
+    with evaluation.Store(tmp_path / "runs.sqlite") as store:
+        first, second = (
+            MonteCarlo(systems=50).estimate(
+                problem, Criterion(0.6), rng=1, evaluator=Evaluator(store=store)
+            )[0]
+            for _ in range(2)
+        )
+    assert (first.n_reused, second.n_reused) == (0, 150)
+    assert first.pf == second.pf
+
+
+def test_own_inputs_need_shared_ones_that_are_independent() -> None:
+    joint = Problem(pump, **INPUTS).inputs.distribution
+    with pytest.raises(ValueError, match="with inputs=, all units have the same"):
+        Problem(pump, inputs=joint, shared=["V"], units=[VALVE])
+    with pytest.raises(ValueError, match="input 'V' is named twice"):
+        Problem(pump, **INPUTS, units=[Unit(individual={"V": normal(0, 1)})])

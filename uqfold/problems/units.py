@@ -1,0 +1,196 @@
+"""Units that differ from each other: in their model, their inputs, or by an offset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from uqfold.checks import function, instance, keep, or_none, real, refused, several, text, whole
+from uqfold.inputs import JointInputs, product_inputs
+from uqfold.problems.responses import numbers_in
+from uqfold.typing import FloatArray, IntArray, Model
+
+
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """One unit that differs from the others.
+
+    Attributes
+    ----------
+    model
+        Its own response model, or None for the problem's.
+    individual
+        Its own distribution of the individual inputs, or None for the problem's. It needs a
+        problem with shared= and individual=, not one with inputs=.
+    offset
+        Added to its response, in the response's unit.
+    name
+        How reports, and a `Structure`, call it.
+    """
+
+    model: Model | None = None
+    individual: Any = None
+    offset: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        keep(self, "model", or_none, function, "give a function of X (n, d)")
+        keep(self, "offset", real)
+        keep(self, "name", text, empty=True)
+
+
+def checked_units(units: Any) -> int | tuple[Unit, ...]:
+    """Return a number of units, or the units themselves."""
+    if isinstance(units, Sequence) and not isinstance(units, str | bytes | bytearray):
+        if not units:
+            raise refused("units", units, "give at least one Unit")
+        return several("units", units, instance, Unit, "give a Unit")
+    return whole("units", units, at_least=1, what="list of Unit or a whole number")
+
+
+@dataclass(frozen=True, eq=False)
+class UnitKinds:
+    """What the units of a system have in common: each kind of them is one model and its inputs.
+
+    Attributes
+    ----------
+    models, inputs
+        Of each kind. The shared inputs are the same, and their columns the first ones, in all.
+    of_units
+        The kind of each unit (n,).
+    offsets
+        What is added to the response of each unit (n,).
+    """
+
+    models: tuple[Model, ...]
+    inputs: tuple[JointInputs, ...]
+    of_units: IntArray
+    offsets: FloatArray
+
+    @classmethod
+    def of(
+        cls, units: int | tuple[Unit, ...], model: Model, inputs: JointInputs, shared: Any
+    ) -> UnitKinds:
+        """Sort units into kinds.
+
+        Parameters
+        ----------
+        units
+            The units, or their number.
+        model, inputs
+            Those of units without their own.
+        shared
+            Distribution of the shared inputs, for units with individual inputs of their own.
+        """
+        if isinstance(units, int):
+            return cls((model,), (inputs,), np.zeros(units, dtype=np.int64), np.zeros(units))
+        kinds: dict[tuple[int, int], tuple[Model, JointInputs]] = {}
+        of_units = []
+        for unit in units:
+            key = id(unit.model or model), id(unit.individual)
+            if key not in kinds:
+                own = inputs if unit.individual is None else _inputs_of(unit, inputs, shared)
+                kinds[key] = unit.model or model, own
+            of_units.append(list(kinds).index(key))
+        models, all_inputs = zip(*kinds.values(), strict=True)
+        return cls(models, all_inputs, np.array(of_units), np.array([u.offset for u in units]))
+
+    @property
+    def equal(self) -> bool:
+        """Whether all units are alike."""
+        return len(self.models) == 1 and not self.offsets.any()
+
+    @property
+    def n_shared(self) -> int:
+        """Number of shared inputs."""
+        return self.inputs[0].n_shared
+
+    @property
+    def n_individual(self) -> int:
+        """Most individual inputs that a unit has."""
+        return max(one.n_individual for one in self.inputs)
+
+    @property
+    def dimension(self) -> int:
+        """Standard-normal variables of one unit: those shared, and `n_individual` of its own."""
+        return self.n_shared + self.n_individual
+
+    @property
+    def columns(self) -> int:
+        """Columns of the rows that `model` takes."""
+        return self.dimension + int(len(self.models) > 1)
+
+    @property
+    def model(self) -> Model:
+        """The model of every unit: of the only kind, or one whose last column names the kind."""
+        if len(self.models) == 1:
+            return self.models[0]
+        return ModelOfKinds(self.models, tuple(one.dimension for one in self.inputs))
+
+    def rows(self, u: FloatArray) -> FloatArray:
+        """Return the inputs (..., n, columns) of n units from their variables (..., n, dimension).
+
+        Variables that a kind does not need are left out.
+        """
+        if len(self.models) == 1:
+            return self.inputs[0].from_standard_normal(u.reshape(-1, u.shape[-1])).reshape(u.shape)
+        x = np.zeros((*u.shape[:-1], self.columns))
+        for kind, inputs in enumerate(self.inputs):
+            own, d = self.of_units == kind, inputs.dimension
+            mapped = inputs.from_standard_normal(u[..., own, :d].reshape(-1, d))
+            x[..., own, :d] = mapped.reshape(*u.shape[:-2], -1, d)
+            x[..., own, -1] = kind
+        return x
+
+    def with_moments(
+        self, means: Mapping[str, float], stds: Mapping[str, float], former: JointInputs
+    ) -> UnitKinds:
+        """Return the kinds with other moments; inputs of a unit's own keep theirs."""
+
+        def changed(inputs: JointInputs) -> JointInputs:
+            names = inputs.names if inputs is former else inputs.shared_names
+            concerned = [{k: v for k, v in one.items() if k in names} for one in (means, stds)]
+            return inputs.with_moments(*concerned)
+
+        return replace(self, inputs=tuple(map(changed, self.inputs)))
+
+
+@dataclass(frozen=True)
+class ModelOfKinds:
+    """The models of all kinds of units as one, whose rows end with the number of a kind.
+
+    Attributes
+    ----------
+    models
+        Of each kind.
+    dimensions
+        How many columns each of them takes, from the left.
+    """
+
+    models: tuple[Model, ...]
+    dimensions: tuple[int, ...]
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Responses (n,) of X (n, d)."""
+        y = np.empty(len(x))
+        for kind, (model, d) in enumerate(zip(self.models, self.dimensions, strict=True)):
+            own = x[:, -1] == kind
+            if own.any():
+                found = numbers_in(model(np.ascontiguousarray(x[own, :d])))
+                if found.shape not in {(count := int(own.sum()),), (count, 1)}:
+                    raise ValueError(f"it returned shape {found.shape} for {count} samples")
+                y[own] = found.reshape(count)
+        return y
+
+
+def _inputs_of(unit: Unit, inputs: JointInputs, shared: Any) -> JointInputs:
+    """Return the inputs of a unit with individual ones of its own."""
+    joined = product_inputs(shared, unit.individual)
+    names = (*inputs.shared_names, *joined.individual_names)
+    if len(set(names)) < len(names):
+        remedy = f"its inputs are called {', '.join(joined.individual_names)}, as shared ones are"
+        raise refused("individual", unit.individual, remedy)
+    return replace(joined, names=names)
