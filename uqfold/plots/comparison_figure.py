@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.plots.panels import key
+from uqfold.plots.panels import key, mark
 from uqfold.plots.style import (
     BAND_COLOR,
     HEADER,
@@ -16,21 +16,14 @@ from uqfold.plots.style import (
     SOFT_COLOR,
     MethodStyle,
     figure_settings,
-    logarithmic,
     method_styles,
 )
 from uqfold.plots.telling import gid, tell
 from uqfold.plots.wording import (
     REFERENCE_STANDARD_ERRORS,
-    answer_text,
-    comparison_rows,
+    answers_of,
     count_text,
-    criterion_key,
-    criterion_text,
-    drawable,
     in_figure,
-    panel_key,
-    panel_text,
     percent,
     probability,
 )
@@ -48,7 +41,7 @@ SMALLEST_PF = 1e-16
 """Failure probabilities below are not drawn."""
 SPREADS = (1.001, 1.002, 1.005, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0)
 """Largest ratio on an axis: the first that shows every answer, or the last."""
-_DOWN, _UP = {"y": 7, "x": 4}, {"y": 6, "x": 5}
+_ARROWS = {"down": 7, "up": 6}
 """Markers on the edge that point to what lies beyond it."""
 
 
@@ -71,37 +64,30 @@ def comparison(frame: pd.DataFrame) -> Figure:
     TypeError, ValueError
         If `frame` is none of these, or holds no answer.
     """
-    import pandas as pd
     from matplotlib.figure import Figure
 
-    rows = drawable(comparison_rows(frame))
-    if not drawable(rows, "pf"):
+    answers = answers_of(frame)
+    if answers["pf"].isna().all():
         raise ValueError("frame has no answer at a finite threshold: there is nothing to draw")
-    header = frame.attrs.get(HEADER, {})
-    unit = header.get("response_unit", "")
-    answers, by = measured(pd.DataFrame(rows))
-    answers["panel"] = [panel_text(panel_key(row), unit) for row in rows]
-    answers["text"] = [answer_text(row, unit) for row in rows]
+    problem = in_figure(answers["problem"].iloc[0], 40)
+    answers, by = measured(answers)
     spread = _spread(answers) if by else math.inf
-    placed = _placed(answers, spread**1.04).sort_values("threshold", kind="stable")
-    drawing = _Drawing(placed, method_styles(answers["label"].unique()), by, spread, header)
-    curves = answers["threshold"].nunique() > 1
+    answers = _placed(answers, spread**1.04).sort_values("threshold", kind="stable")
+    styles = method_styles(answers["label"].unique())
+    drawing = _Drawing(answers, styles, by, spread, frame.attrs.get(HEADER, {}))
     panels = list(answers["panel"].unique())
-    abreast = math.ceil(len(panels) / math.ceil(len(panels) / ABREAST))
-    blocks = [panels[i : i + abreast] for i in range(0, len(panels), abreast)]
-    height = drawing.height(curves)
-    figure = Figure(figsize=(WIDTH_INCHES, height * len(blocks) + 0.6), layout="constrained")
-    for part, block in zip(figure.subfigures(len(blocks), 1, squeeze=False)[:, 0], blocks,
-                           strict=True):  # fmt: skip
-        if curves:
-            drawing.curves(part, block, abreast)
-        else:
-            drawing.lines(part, block, abreast)
+    blocks = math.ceil(len(panels) / ABREAST)
+    height, draw = 2.4 + (0.5 * len(styles) if by else 0.6), drawing.curves
+    if answers["threshold"].nunique() == 1:
+        height, draw = 0.8 + 0.36 * len(styles), drawing.lines
+    figure = Figure(figsize=(WIDTH_INCHES, height * blocks + 0.6), layout="constrained")
+    abreast = math.ceil(len(panels) / blocks)
+    for k, part in enumerate(figure.subfigures(blocks, 1, squeeze=False)[:, 0]):
+        draw(part, panels[k * abreast : (k + 1) * abreast], abreast)
     if handles := drawing.handles():
         figure.legend(handles=handles, loc="outside lower left", ncols=len(handles))
     title = f"methods against {in_figure(by)}" if by else "failure probability"
     without = ", without a reference" if by not in ("", REFERENCE) else ""
-    problem = in_figure(rows[0]["problem"], 40)
     figure.suptitle(f"{problem}: {title}{without}", x=0.01, ha="left", fontweight="bold")
     return figure
 
@@ -117,9 +103,8 @@ def measured(answers: pd.DataFrame) -> tuple[pd.DataFrame, str]:
     known = answers["reference_pf"].where(answers["reference_pf"] > SMALLEST_PF)
     if known.notna().any():
         half = REFERENCE_STANDARD_ERRORS * answers["reference_std_error"]
-        ends = {"level_low": np.maximum(known - half, SMALLEST_PF),
-                "level_high": np.minimum(known + half, 1.0)}  # fmt: skip
-        return answers.assign(level=known, **ends), REFERENCE
+        low, high = np.maximum(known - half, SMALLEST_PF), np.minimum(known + half, 1.0)
+        return answers.assign(level=known, level_low=low, level_high=high), REFERENCE
     positive = answers[answers["pf"] > SMALLEST_PF]
     width = (positive["ci_high"] - positive["ci_low"]) / positive["pf"]
     widths = width[width > 0.0].groupby(positive["label"], sort=False).agg(["size", "median"])
@@ -133,27 +118,24 @@ def measured(answers: pd.DataFrame) -> tuple[pd.DataFrame, str]:
 
 def _spread(answers: pd.DataFrame) -> float:
     """Return the largest ratio on the axes; long intervals are cut off, not to squeeze the rest."""
-    farthest = 1.0
-    for name, most in (("pf", SPREADS[-1]), ("ci_low", 1.9), ("ci_high", 1.9), ("level_low", 1.9),
-                       ("level_high", 1.9)):  # fmt: skip
-        own = answers[answers[name] > SMALLEST_PF]
-        ratio = np.exp(np.abs(np.log(own[name] / own["level"]))).max()
-        farthest = max(farthest, min(ratio, most)) if ratio > 1.0 else farthest
-    return next((one for one in SPREADS if 0.95 * (one - 1.0) >= farthest - 1.0), SPREADS[-1])
+    shown = answers[["pf", "ci_low", "ci_high", "level_low", "level_high"]]
+    ratios = shown.where(shown > SMALLEST_PF).div(answers["level"], axis=0)
+    farthest = np.exp(np.log(ratios).abs()).max().fillna(1.0)
+    most = max(farthest["pf"], min(farthest.max(), 1.9))
+    return next((one for one in SPREADS if 0.95 * (one - 1.0) >= most - 1.0), SPREADS[-1])
 
 
 def _placed(answers: pd.DataFrame, room: float) -> pd.DataFrame:
-    """Return answers with their ratios, and where arrows on the edge point beyond the axis.
+    """Return answers with their ratios, and which of them are arrows on the edge of the axis.
 
     An answer of zero is an arrow down at the upper end of its interval.
     """
     value, low, high = (answers[name] / answers["level"] for name in ("pf", "ci_low", "ci_high"))
-    zero, over = answers["pf"] < SMALLEST_PF, value > room
-    under = (value < 1.0 / room) & ~zero
-    down = np.minimum(high, room).where(zero).mask(under, 1.0 / room)
+    zero = answers["pf"] < SMALLEST_PF
+    down, up = zero | (value < 1.0 / room), value > room
     return answers.assign(
-        value=value.mask(zero | over | under), low=low.mask(zero), high=high.mask(zero),
-        down=down, up=value.where(over) / value * room,
+        value=value.mask(zero, high).clip(1.0 / room, room), low=low.mask(zero),
+        high=high.mask(zero), drawn_as=np.select([down, up], ["down", "up"], "answer"),
     )  # fmt: skip
 
 
@@ -167,22 +149,8 @@ class _Drawing:
     spread: float
     header: dict[str, Any]
 
-    @property
-    def unit(self) -> str:
-        return str(self.header.get("response_unit", ""))
-
-    def height(self, curves: bool) -> float:
-        """Return the height of a block of panels (inches)."""
-        if not curves:
-            return 0.9 + 0.3 * len(self.styles)
-        return 2.4 + (0.5 * len(self.styles) if self.by else 0.6)
-
-    def rows(self, panel: str, label: str | None = None) -> pd.DataFrame:
-        own = self.answers[self.answers["panel"] == panel]
-        return own if label is None else own[own["label"] == label]
-
     def curves(self, part: SubFigure, panels: list[str], abreast: int) -> None:
-        """Draw pf over the threshold, and below it the ratios of every method."""
+        """Draw panels side by side: pf over the threshold, below it the ratios of every method."""
         below = list(self.styles) if self.by else []
         grid = part.subplots(
             1 + len(below), abreast, sharex=True, sharey="row", squeeze=False,
@@ -192,58 +160,93 @@ class _Drawing:
             axes.set_axis_off()
         for axes in grid[:-1].flat:
             axes.tick_params(axis="x", bottom=False)
-        unit = f" ({in_figure(self.unit, 12)})" if self.unit else ""
+        unit = self.header.get("response_unit", "")
         response = in_figure(self.header.get("response", "response"))
+        said = f"threshold T on {response}{f' ({in_figure(unit, 12)})' if unit else ''}"
         for column, panel in zip(grid.T, panels, strict=False):
+            own = self.answers[self.answers["panel"] == panel]
             column[0].set_title(in_figure(panel, 48), loc="left")
-            self.pf_curve(column[0], panel)
+            self.curve(column[0], own)
             for axes, label in zip(column[1:], below, strict=True):
-                self.ratios(axes, panel, label)
+                axes.set_gid(gid(method=label, criterion=panel))
+                self.ratios(axes, own[own["label"] == label])
             column[-1].locator_params(axis="x", nbins=5 if abreast < ABREAST else 4)
-            column[-1].set_xlabel(f"threshold T on {response}{unit}")
-        shown = ["pf", "level"] if self.by else ["pf"]
-        _fit(grid[0, 0], "y", self.answers[shown], 1.5)
+            column[-1].set_xlabel(said)
         grid[0, 0].set_ylabel("failure probability pf")
         for row, label in zip(grid[1:], below, strict=True):
             row[0].set_ylabel(in_figure(label), rotation=0, ha="right", va="center")
             row[len(panels) - 1].annotate(
-                self.remark(label, "\n"), (1.015, 0.5), xycoords="axes fraction", va="center",
+                self.remark(label), (1.015, 0.5), xycoords="axes fraction", va="center",
                 fontsize=7.5, color=SOFT_COLOR,
             )  # fmt: skip
         if self.by:
             said = f"pf / pf of {in_figure(self.by)}"
             grid[1, 0].set_title(said, loc="left", fontsize=8.0, color=SOFT_COLOR)
 
-    def pf_curve(self, axes: Axes, panel: str) -> None:
-        for label, style in self.styles.items():
-            own = self.rows(panel, label)
+    def lines(self, part: SubFigure, panels: list[str], abreast: int) -> None:
+        """Draw one line per method in each panel: its ratio, or its pf without a yardstick."""
+        grid = part.subplots(1, abreast, sharex=True, sharey=True, squeeze=False)[0]
+        for axes in grid[len(panels) :]:
+            axes.set_axis_off()
+        for axes, panel in zip(grid, panels, strict=False):
+            own = self.answers[self.answers["panel"] == panel]
+            first = own.iloc[0]
+            axes.set_gid(gid(criterion=panel))
+            axes.set_xlabel(f"pf / pf of {in_figure(self.by)}" if self.by else "pf")
+            title = in_figure(first["criterion"], 48)
+            if self.by:
+                title += f"\n{in_figure(self.by)}: pf = {probability(first['level'], 4)}"
+                low, high = (first[name] / first["level"] for name in ("level_low", "level_high"))
+                axes.axvspan(low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
+                axes.axvline(1.0, **REFERENCE_LINE)
+                axes.set_xlim(self.spread**-1.12, self.spread**1.12)
+            axes.set_title(title, loc="left")
+            for label, rows in own.groupby("label", sort=False):
+                style, y = self.styles[label], [list(self.styles).index(label)]
+                marker = {"down": 4, "up": 5}.get(rows["drawn_as"].iloc[0], style.marker)
+                drawn = [
+                    axes.hlines(y, rows["low"], rows["high"], color=style.color, linewidth=1.1),
+                    *axes.plot(rows["value"], y, marker=marker, color=style.color),
+                ]
+                tell(drawn, gid(method=label, criterion=panel), rows["text"])
+        names = [f"{in_figure(label)}\n{self.remark(label, ', ')}" for label in self.styles]
+        grid[0].set_yticks(range(len(names)), names)
+        grid[0].set_ylim(len(names) - 0.5, -0.5)
+
+    def curve(self, axes: Axes, own: pd.DataFrame) -> None:
+        """Draw pf of one panel, and what it is measured by."""
+        shown = self.answers[["pf", *(["level"] if self.by else [])]]
+        shown = shown.where(shown > SMALLEST_PF)
+        low, high = shown.min(axis=None), shown.max(axis=None)
+        margin = 1.1 * (high / low) ** 0.06
+        axes.set(yscale="log", ylim=(low / margin, min(high * margin, 1.5)))
+        for label, rows in own.groupby("label", sort=False):
             if not self.by:
-                self.points(axes, own, own["threshold"], "y")
+                self.points(axes, rows)
                 continue
             # the rows below tell the methods apart
-            pf = own["pf"].where(own["pf"] > SMALLEST_PF)
-            drawn = axes.plot(own["threshold"], pf, color=style.color, linewidth=1.0, alpha=0.8)
-            tell(drawn, gid(method=label, criterion=panel))
+            pf, color = rows["pf"].where(rows["pf"] > SMALLEST_PF), self.styles[label].color
+            drawn = axes.plot(rows["threshold"], pf, color=color, linewidth=1.0, alpha=0.8)
+            tell(drawn, gid(method=label, criterion=own["panel"].iloc[0]))
         if self.by:
-            levels = self.rows(panel).drop_duplicates("threshold")
-            T, pf = levels["threshold"], levels["level"]
-            axes.fill_between(
-                T, levels["level_low"], levels["level_high"], color=BAND_COLOR, linewidth=0.0,
-                zorder=0.5,
-            )  # fmt: skip
-            drawn = axes.plot(T, pf, **REFERENCE_LINE, marker="o", markersize=3.0, zorder=3.0)
-            words = [
-                f"{criterion_text(criterion_key(row), self.unit)}\n"
-                f"pf = {probability(row['level'], 4)}"
-                for row in levels.to_dict("records")
-            ]
-            tell(drawn, gid(reference=self.by, criterion=panel), words)
+            levels = own.drop_duplicates("threshold")
+            T, low, high = levels["threshold"], levels["level_low"], levels["level_high"]
+            axes.fill_between(T, low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
+            line: Any = {**REFERENCE_LINE, "marker": "o", "markersize": 3.0, "zorder": 3.0}
+            drawn = axes.plot(T, levels["level"], **line)
+            pf = levels["level"].map(lambda value: f"\npf = {probability(value, 4)}")
+            belongs = gid(reference=self.by, criterion=own["panel"].iloc[0])
+            tell(drawn, belongs, levels["criterion"] + pf)
 
-    def ratios(self, axes: Axes, panel: str, label: str) -> None:
-        """Draw the narrow row of one method."""
-        own = self.rows(panel, label)
-        axes.set_gid(gid(method=label, criterion=panel))
-        self.ratio_axis(axes, "y")
+    def ratios(self, axes: Axes, own: pd.DataFrame) -> None:
+        """Draw the narrow row of one method in one panel."""
+        from matplotlib.ticker import FixedLocator, NullLocator
+
+        digits = 2 if self.spread > 1.04 else 4
+        axes.set(yscale="log", ylim=(self.spread**-1.12, self.spread**1.12))
+        axes.yaxis.set_major_locator(FixedLocator([1.0 / self.spread, 1.0, self.spread]))
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:.{digits}g}")
         if own["pf"].isna().all():
             axes.text(0.5, 0.5, _status(own), transform=axes.transAxes, ha="center", va="center",
                       fontsize=8.0, color=SOFT_COLOR)  # fmt: skip
@@ -251,82 +254,34 @@ class _Drawing:
         low, high = own["level_low"] / own["level"], own["level_high"] / own["level"]
         axes.fill_between(own["threshold"], low, high, color=BAND_COLOR, linewidth=0.0)
         axes.axhline(1.0, **REFERENCE_LINE)
-        self.points(axes, own, own["threshold"], "y")
+        self.points(axes, own)
 
-    def lines(self, part: SubFigure, panels: list[str], abreast: int) -> None:
-        """Draw one line per method: its ratio, or its pf where there is no yardstick."""
-        grid = part.subplots(1, abreast, sharex=True, sharey=True, squeeze=False)[0]
-        for axes in grid[len(panels) :]:
-            axes.set_axis_off()
-        for axes, panel in zip(grid, panels, strict=False):
-            first = self.rows(panel).iloc[0]
-            title = in_figure(criterion_text(criterion_key(first), self.unit), 48)
-            axes.set_gid(gid(criterion=panel))
-            axes.set_xlabel("failure probability pf")
-            if self.by:
-                pf, low, high = first["level"], first["level_low"], first["level_high"]
-                axes.axvspan(low / pf, high / pf, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
-                axes.axvline(1.0, **REFERENCE_LINE)
-                title += f"\n{in_figure(self.by)}: pf = {probability(pf, 4)}"
-                self.ratio_axis(axes, "x")
-                axes.set_xlabel(f"pf / pf of {in_figure(self.by)}")
-            axes.set_title(title, loc="left")
-            axes.grid(visible=False, axis="y")
-            for place, label in enumerate(self.styles):
-                own = self.rows(panel, label)
-                self.points(axes, own, np.full(len(own), float(place)), "x")
-                if own["pf"].isna().all():
-                    at = axes.text(0.02, place, _status(own), va="center", fontsize=8.0,
-                                   transform=axes.get_yaxis_transform(),
-                                   color=SOFT_COLOR)  # fmt: skip
-                    tell(at, gid(method=label, criterion=panel))
-        if not self.by:
-            _fit(grid[0], "x", self.answers[["pf", "ci_low", "ci_high"]], math.inf)
-        grid[0].set_yticks(range(len(self.styles)), list(map(in_figure, self.styles)))
-        grid[0].set_ylim(len(self.styles) - 0.4, -0.6)
-        for place, label in enumerate(self.styles):
-            grid[len(panels) - 1].annotate(
-                self.remark(label, ", "), (1.015, place), xycoords=("axes fraction", "data"),
-                va="center", fontsize=7.5, color=SOFT_COLOR,
-            )  # fmt: skip
-
-    def ratio_axis(self, axes: Axes, side: str) -> None:
-        from matplotlib.ticker import FixedLocator, NullLocator
-
-        logarithmic(axes, side, self.spread**-1.12, self.spread**1.12)
-        axis = axes.yaxis if side == "y" else axes.xaxis
-        axis.set_major_locator(FixedLocator([1.0 / self.spread, 1.0, self.spread]))
-        axis.set_minor_locator(NullLocator())
-        digits = 2 if self.spread > 1.04 else 4
-        axis.set_major_formatter(lambda value, _: f"{value:.{digits}g}")
-
-    def points(self, axes: Axes, own: pd.DataFrame, places: Any, side: str) -> None:
-        """Draw answers of one method along one side, with intervals and arrows on the edge."""
-        if own.empty:
-            return
+    def points(self, axes: Axes, own: pd.DataFrame) -> None:
+        """Draw answers of one method, with intervals and arrows on the edge."""
         label, panel = own[["label", "panel"]].iloc[0]
         style, belongs = self.styles[label], gid(method=label, criterion=panel)
-        look: dict[str, Any] = {"color": style.color, "linestyle": ""}
-        barred = (own["low"] + own["high"]).notna()
-        if barred.any():
-            bars = axes.vlines if side == "y" else axes.hlines
-            ends = own.loc[barred, ["low", "high"]].to_numpy().T
-            tell(bars(np.asarray(places)[barred], *ends, color=style.color, linewidth=1.1), belongs)
-        elif side == "y":
-            look |= {"linestyle": "-", "linewidth": 0.9}
-        arrows: dict[str, Any] = {"linestyle": "", "markersize": 7.0, "clip_on": False}
-        for name, more in (
-            ("value", {"marker": style.marker, "markersize": 4.8}),
-            ("down", {"marker": _DOWN[side], **arrows}),
-            ("up", {"marker": _UP[side], **arrows}),
-        ):
-            if name == "value" or own[name].notna().any():
-                xy = (places, own[name]) if side == "y" else (own[name], places)
-                tell(axes.plot(*xy, **{**look, **more}), belongs, own["text"])
+        T, barred = own["threshold"], own[(own["low"] + own["high"]).notna()]
+        bars = axes.vlines(
+            barred["threshold"], barred["low"], barred["high"], color=style.color, linewidth=1.1
+        )
+        tell(bars, belongs)
+        joined = "-" if barred.empty else ""
+        arrow: Any = {"linestyle": "", "markersize": 7.0, "clip_on": False}
+        looks: dict[str, Any] = {
+            "answer": {"marker": style.marker, "markersize": 4.8, "linestyle": joined},
+            **{kind: {"marker": marker, **arrow} for kind, marker in _ARROWS.items()},
+        }
+        for kind, look in looks.items():
+            values = own["value"].where(own["drawn_as"] == kind)
+            if kind == "answer" or values.notna().any():
+                drawn = axes.plot(T, values, color=style.color, linewidth=0.9, **look)
+                tell(drawn, belongs, own["text"])
 
-    def remark(self, label: str, between: str) -> str:
-        """Return what a method cost, and how far it erred."""
+    def remark(self, label: str, between: str = "\n") -> str:
+        """Return how far a method erred, or why it has no answer, and what it cost."""
         own = self.answers[self.answers["label"] == label]
+        if own["pf"].isna().all():
+            return _status(own)
         said = f"{count_text(int(own['n_evals'].max()), short=True)} evaluations"
         errors = own["error"].dropna()
         if errors.empty:
@@ -344,21 +299,12 @@ class _Drawing:
             if self.by == REFERENCE:
                 band = f"its ± {REFERENCE_STANDARD_ERRORS:g} standard errors"
             found = [key(in_figure(self.by), **REFERENCE_LINE), Patch(color=BAND_COLOR, label=band)]
-        if (self.answers["ci_low"] + self.answers["ci_high"]).notna().any():
+        if (self.answers["low"] + self.answers["high"]).notna().any():
             found.append(key("interval that the method states", color=SOFT_COLOR, linewidth=1.1))
         if ((self.answers["pf"] < SMALLEST_PF) & (self.answers["ci_high"] > SMALLEST_PF)).any():
             text = "pf = 0: upper end of the interval"
-            found.append(key(text, linestyle="", marker=_DOWN["y"], color=SOFT_COLOR))
+            found.append(mark(text, marker=_ARROWS["down"], color=SOFT_COLOR))
         return found
-
-
-def _fit(axes: Axes, side: str, values: pd.DataFrame, most: float) -> None:
-    """Make an axis logarithmic that shows all positive values."""
-    shown = values.where(values > SMALLEST_PF)
-    low, high = shown.min(axis=None), shown.max(axis=None)
-    if low > 0.0:
-        margin = 1.1 * (high / low) ** 0.06
-        logarithmic(axes, side, low / margin, min(high * margin, most))
 
 
 def _status(rows: pd.DataFrame) -> str:

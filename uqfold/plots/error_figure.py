@@ -5,19 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from uqfold.plots.panels import axes_or_new, key
-from uqfold.plots.style import BAND_COLOR, HEADER, SOFT_COLOR, figure_settings, method_styles
+from uqfold.plots.panels import axes_or_new, mark, percent_axis
+from uqfold.plots.style import BAND_COLOR, SOFT_COLOR, figure_settings, method_styles
 from uqfold.plots.telling import gid, tell
-from uqfold.plots.wording import (
-    answer_text,
-    comparison_rows,
-    drawable,
-    in_figure,
-    panel_key,
-    panel_text,
-    percent,
-    reference_resolution,
-)
+from uqfold.plots.wording import REFERENCE_STANDARD_ERRORS, answers_of, in_figure, percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,84 +41,70 @@ def error_against_evaluations(frame: pd.DataFrame, ax: Axes | None = None) -> Ax
     TypeError, ValueError
         If `frame` is none of these, or has no answer with a reference.
     """
-    import pandas as pd
-
-    rows = drawable(comparison_rows(frame))
-    axes = axes_or_new(ax, *SIZE_INCHES)
-    styles = method_styles(dict.fromkeys(row["label"] for row in rows))
-    rows = drawable(rows, "error")
-    if not rows:
+    answers = answers_of(frame)
+    styles = method_styles(answers["label"].unique())
+    errors = answers[answers["error"].notna()]
+    if errors.empty:
         raise ValueError("frame has no answer with a reference: there is no error to draw")
-    unit = frame.attrs.get(HEADER, {}).get("response_unit", "")
-    errors = pd.DataFrame(rows)
-    errors["panel"] = [panel_text(panel_key(row), unit) for row in rows]
-    errors["text"] = [answer_text(row, unit) for row in rows]
-    errors["level"] = [reference_resolution(row) for row in rows]
-    errors["judged"] = errors["error"] > errors["level"]
-    errors["cost"] = errors["n_evals_row"].clip(lower=1)
-    _scale(axes, errors)
-    low = axes.get_ylim()[0]
-    steps = _side_steps(errors, axes.get_xlim())
-    for label, own in errors.groupby("label", sort=False):
-        look: dict[str, Any] = {
-            "color": styles[label].color, "marker": styles[label].marker, "linestyle": "",
-        }  # fmt: skip
+    resolution = REFERENCE_STANDARD_ERRORS * errors["reference_std_error"] / errors["reference_pf"]
+    errors = errors.assign(
+        resolution=resolution, judged=errors["error"] > resolution,
+        cost=errors["n_evals_row"].clip(lower=1),
+    )  # fmt: skip
+    axes = axes_or_new(ax, *SIZE_INCHES)
+    low = _scale(axes, errors)
+    handles: list[Any] = []
+    for label, step in _side_steps(errors, axes.get_xlim()).items():
+        own, style = errors[errors["label"] == label], styles[label]
+        look: dict[str, Any] = {"color": style.color, "marker": style.marker, "linestyle": ""}
         for (panel, judged), part in own.groupby(["panel", "judged"], sort=False):
             # an error of exactly zero is drawn on the lower edge
             points = axes.plot(
-                steps[label] * part["cost"], part["error"].clip(lower=low), markersize=4.0,
-                markeredgewidth=0.8, alpha=0.75, **look,
-                markerfacecolor=styles[label].color if judged else "white",
+                step * part["cost"], part["error"].clip(lower=low), markersize=4.0,
+                markerfacecolor=style.color if judged else "white", alpha=0.75, **look,
             )  # fmt: skip
             tell(points, gid(method=label, criterion=panel), part["text"])
         cost, typical = own["cost"].median(), own["error"].median()
         # the single criteria stay visible on it
         points = axes.plot(
-            steps[label] * cost, max(typical, low), markersize=12.0, markeredgewidth=1.3,
-            markerfacecolor=styles[label].pale, zorder=1.9, **look,
+            step * cost, max(typical, low), markersize=12.0, markerfacecolor=style.pale,
+            zorder=1.9, **look,
         )  # fmt: skip
         said = f"median error {percent(typical)}\n{cost:,.0f} evaluations"
         tell(points, gid(method=label), [said])
-    for level, alpha, which in (("max", 0.45, "some references"), ("min", 1.0, "every reference")):
-        high = min(errors["level"].agg(level), axes.get_ylim()[1])
-        if high > low:
-            axes.axhspan(low, high, facecolor=(BAND_COLOR, alpha), linewidth=0.0, zorder=0.2,
-                         label=f"below 2 standard errors\nof {which}")  # fmt: skip
-    handles = [
-        key(in_figure(label), linestyle="", marker=styles[label].marker, markersize=6.5,
-            color=styles[label].color)
-        for label in steps
-    ]  # fmt: skip
-    grey: dict[str, Any] = {"linestyle": "", "marker": "o", "color": SOFT_COLOR}
-    handles.append(
-        key("median of the criteria", markersize=11.0, markerfacecolor="#BBBBBB", **grey)
-    )
-    handles.append(key("one criterion", markersize=4.0, **grey))
+        handles.append(mark(in_figure(label), **look))
+    handles += [
+        mark(
+            "median of the criteria", markersize=11.0, markerfacecolor="#BBBBBB", color=SOFT_COLOR
+        ),
+        mark("one criterion", markersize=4.0, color=SOFT_COLOR),
+    ]
     if not errors["judged"].all():
         said = "one criterion, below 2\nstandard errors of\nits reference"
-        handles.append(key(said, markersize=4.0, markerfacecolor="white", **grey))
-    axes.legend(handles=[*handles, *axes.patches], loc="upper left", bbox_to_anchor=(1.01, 1.0))
+        handles.append(mark(said, hollow=True, markersize=4.0, color=SOFT_COLOR))
+    if (level := min(errors["resolution"].min(), axes.get_ylim()[1])) > low:
+        said = "below 2 standard errors\nof every reference"
+        handles.append(axes.axhspan(low, level, facecolor=BAND_COLOR, zorder=0.2, label=said))
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0))
     axes.set_xlabel("evaluations of the model")
     axes.set_ylabel("error of the failure probability, Eq. (49)")
-    title = f"{in_figure(rows[0]['problem'], 40)}: error against cost"
+    title = f"{in_figure(answers['problem'].iloc[0], 40)}: error against cost"
     axes.set_title(title, loc="left", fontweight="bold")
     return axes
 
 
-def _scale(axes: Axes, errors: pd.DataFrame) -> None:
-    """Make both axes logarithmic; that of costs over a factor of 30 at least."""
-    from matplotlib.ticker import NullFormatter
+def _scale(axes: Axes, errors: pd.DataFrame) -> float:
+    """Make both axes logarithmic, that of costs over a factor of 30 at least; return the lowest."""
+    from matplotlib.ticker import EngFormatter
 
     positive = errors["error"][errors["error"] > SMALLEST]
     low, high = (positive.min() / 2.0, positive.max() * 2.0) if len(positive) else (1e-6, 1.0)
     left, right = errors["cost"].min() / 2.0, errors["cost"].max() * 2.0
     wider = max(math.sqrt(30.0 * left / right), 1.0)
-    axes.set(xscale="log", yscale="log", xlim=(left / wider, right * wider),
-             ylim=(low, max(high, 0.02)))  # fmt: skip
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.7g}")
-    axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:g} %")
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    percent_axis(axes, low, max(high, 0.02))
+    axes.set(xscale="log", xlim=(left / wider, right * wider))
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    return float(low)
 
 
 def _side_steps(errors: pd.DataFrame, limits: tuple[float, float]) -> dict[str, float]:

@@ -77,7 +77,7 @@ def key(label: str, **look: Any) -> Any:
 def mark(label: str, hollow: bool = False, **look: Any) -> Any:
     """Return an entry of a legend that is a mark, filled or hollow."""
     face = {"markerfacecolor": "white"} if hollow else {}
-    return key(label, linestyle="", **{"marker": "o", **look, **face})
+    return key(label, **{"marker": "o", **look, **face, "linestyle": ""})
 
 
 def draw_judged(axes: Axes, x: Any, errors: Any, hollow: Any, style: MethodStyle) -> None:

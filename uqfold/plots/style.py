@@ -15,12 +15,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from uqfold.checks import several, text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -144,24 +141,3 @@ def shades(style: MethodStyle, number: int, *, own_markers: bool) -> list[Method
         MethodStyle(to_hex(tones(i / (number - 1))), markers[i % len(markers)])
         for i in range(number)
     ]
-
-
-def logarithmic(axes: Axes, side: str, low: float, high: float) -> None:
-    """Make the x or y axis logarithmic from `low` to `high`, its ticks plain text: 0.01, 10⁻⁴."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-    def written(value: float, _: object) -> str:
-        mantissa, _, exponent = f"{value:.0e}".partition("e")
-        if -4 < int(exponent) < 1:
-            return f"{value:g}"
-        power = f"10{str(int(exponent)).translate(raised)}"
-        return power if mantissa == "1" else f"{mantissa}·{power}"
-
-    axes.set(**{f"{side}scale": "log", f"{side}lim": (low, high)})
-    axis = axes.yaxis if side == "y" else axes.xaxis
-    subs = (1.0,) if high > 30.0 * low else (1.0, 2.0, 5.0)
-    axis.set_major_locator(LogLocator(subs=subs, numticks=7))
-    axis.set_major_formatter(FuncFormatter(written))
-    axis.set_minor_formatter(NullFormatter())

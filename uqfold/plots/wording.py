@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import instance
+from uqfold.plots.style import HEADER
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,20 +157,30 @@ def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
     return rows
 
 
-def drawable(rows: Iterable[Row], *needed: str) -> list[dict[str, Any]]:
-    """Return the rows at finite thresholds, without numbers that have no place on an axis.
+def drawable(rows: Iterable[Row], column: str) -> bool:
+    """Return whether a number of that column has a place on an axis in any of the rows."""
+    return any(math.isfinite(row["threshold"]) and 0.0 <= row[column] <= LARGEST for row in rows)
 
-    Such numbers (infinite, negative, beyond `LARGEST`) become NaN; rows that lack one of the
-    columns `needed` are left out.
+
+def answers_of(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a comparison that have a place in a figure, and their words.
+
+    Rows at finite thresholds; numbers that have no place on an axis (infinite, negative, beyond
+    `LARGEST`) become NaN. The columns ``panel`` (tau and missions), ``criterion`` and ``text``
+    (the whole answer) say each row in words.
     """
-    numbers = ("pf", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error")
-    found = []
-    for row in rows:
-        kept = {name: row[name] if 0.0 <= row[name] <= LARGEST else math.nan for name in numbers}
-        empty = any(math.isnan(kept[one]) for one in needed)
-        if math.isfinite(row["threshold"]) and not empty:
-            found.append({**row, **kept})
-    return found
+    rows = comparison_rows(frame)
+    unit = frame.attrs.get(HEADER, {}).get("response_unit", "")
+    answers = frame.assign(
+        panel=[panel_text(panel_key(row), unit) for row in rows],
+        criterion=[criterion_text(criterion_key(row), unit) for row in rows],
+        text=[answer_text(row, unit) for row in rows],
+    )
+    numbers = ["pf", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error"]
+    values = answers[numbers]
+    answers[numbers] = values.where((values >= 0.0) & (values <= LARGEST))
+    finite = answers["threshold"].abs() <= LARGEST
+    return answers[finite].reset_index(drop=True)
 
 
 def answer_text(row: Row, unit: str) -> str:
