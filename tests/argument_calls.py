@@ -468,7 +468,12 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "comparison.NamedProblem": Call(
             comparison.NamedProblem,
-            {"name": text(), "description": text(), "factory": text("a:b"), "max_evals": count()},
+            {
+                "name": text(),
+                "description": text(),
+                "problem": thing(problems.series),
+                "max_evals": count(),
+            },
         ),
         "comparison.available_problems": Call(comparison.available_problems, {}),
         "comparison.benchmark_summary": Call(

@@ -66,7 +66,7 @@ def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFram
     import pandas as pd
 
     instance("frame", frame, pd.DataFrame, "give rows of uqfold.compare")
-    missing = [name for name in (*NEEDS, "max_evals") if name not in frame.columns]
+    missing = [name for name in NEEDS if name not in frame.columns]
     if missing:
         raise ValueError(f"the frame has no column {missing[0]!r}: give rows of uqfold.compare")
     instance("units", units, (Mapping,), "give a dict of problem -> number of units")
@@ -86,44 +86,36 @@ def benchmark_summary(frame: pd.DataFrame, units: dict[str, int]) -> pd.DataFram
 
 def _summary(rows: pd.DataFrame, units: int) -> dict[str, Any]:
     answered = rows[rows["pf"].notna()]
-    found: dict[str, Any] = {"answers": len(answered), "runs": len(rows)}
-    names = (
-        "n_evals", "bias", "bias_error", "rms", "coverage", "error_ratio", "monte_carlo_rms",
-        "efficiency",
-    )  # fmt: skip
-    if answered.empty:
-        return {**found, **dict.fromkeys(names, math.nan), "judged": False}
-    reference = answered["reference_pf"]
-    error = answered["pf"] / reference - 1.0
-    by_seed = error.groupby(answered["seed"]).mean()
-    stated = np.hypot(answered["std_error"], answered["reference_std_error"])
-    with_error = answered["std_error"] > 0.0
-    ratio = ((answered["pf"] - reference) / stated)[with_error]
-    bounded = answered["ci_low"].notna() & answered["ci_high"].notna()
-    slack = 2.0 * answered["reference_std_error"]
-    inside = (reference >= answered["ci_low"] - slack) & (reference <= answered["ci_high"] + slack)
+    pf, reference = answered["pf"], answered["reference_pf"]
+    own_error, stated_error = answered["reference_std_error"], answered["std_error"]
+    error = pf / reference - 1.0
     rms = _rms(error)
-    missions = answered["missions"].map(_mean_missions)
-    systems = answered["n_evals"] / (units * missions)
+    ratio = (pf - reference) / np.hypot(stated_error, own_error)
+    intervals = answered.dropna(subset=["ci_low", "ci_high"])
+    slack = 2.0 * intervals["reference_std_error"]
+    inside = (intervals["reference_pf"] >= intervals["ci_low"] - slack) & (
+        intervals["reference_pf"] <= intervals["ci_high"] + slack
+    )
+    systems = answered["n_evals"] / (units * answered["missions"].map(_mean_missions).astype(float))
     simple = _rms(np.sqrt((1.0 - reference) / (reference * systems)))
     return {
-        **found,
-        "n_evals": float(answered["n_evals"].mean()),
-        "bias": float(error.mean()),
-        "bias_error": float(by_seed.std(ddof=1) / math.sqrt(len(by_seed)))
-        if len(by_seed) > 1
-        else math.nan,
+        "answers": len(answered),
+        "runs": len(rows),
+        "n_evals": answered["n_evals"].mean(),
+        "bias": error.mean(),
+        "bias_error": error.groupby(answered["seed"]).mean().sem(),
         "rms": rms,
-        "coverage": float(inside[bounded].mean()) if bounded.any() else math.nan,
-        "error_ratio": _rms(ratio) if len(ratio) else math.nan,
+        "coverage": inside.mean(),
+        "error_ratio": _rms(ratio[stated_error > 0.0]),
         "monte_carlo_rms": simple,
-        "efficiency": (simple / rms) ** 2 if rms > 0.0 else math.inf,
-        "judged": bool(_rms(answered["reference_std_error"] / reference) <= RESOLUTION * rms),
+        "efficiency": math.inf if rms == 0.0 else (simple / rms) ** 2,
+        "judged": bool(_rms(own_error / reference) <= RESOLUTION * rms),
     }
 
 
-def _rms(values: Any) -> float:
-    return math.sqrt(float(np.mean(np.square(values))))
+def _rms(values: pd.Series) -> float:
+    """Root mean square; NaN of nothing."""
+    return math.sqrt(values.pow(2).mean())
 
 
 def _mean_missions(missions: str) -> float:

@@ -1,8 +1,7 @@
-"""Rows as comma-separated values that a spreadsheet shows and does not execute.
+"""Texts in cells of a CSV file, which a spreadsheet shows and does not execute.
 
-Numbers are written in the shortest form that reads back to the same bits, and an empty cell stands
-for NaN. Text that a spreadsheet takes for a formula gets an apostrophe in front, which
-`text_of_cell` takes away again.
+Text that a spreadsheet takes for a formula gets an apostrophe in front, which `text_of_cell` takes
+away again.
 """
 
 from __future__ import annotations
@@ -20,18 +19,15 @@ TEXTS = [name for name, kind in COLUMNS.items() if kind is str]
 _FORMULA = re.compile(r"'*(?:\s*[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r\n])")
 
 
-class _Lines(list[str]):
-    def write(self, line: str) -> None:
-        self.append(line.removesuffix("\r\n") + "\n")
-
-
 def csv_text(frame: pd.DataFrame) -> str:
-    """Return the rows of a comparison as text, one line each."""
-    lines = _Lines()
+    """Return the rows of a comparison as comma-separated values.
+
+    Numbers are written in the shortest form that reads back to the same bits; NaN as nothing.
+    """
     safe = frame.assign(**{name: frame[name].map(cell_of_text) for name in TEXTS})
-    # this end of a line has a carriage return in a text quoted too
-    safe.to_csv(lines, index=False, lineterminator="\r\n")
-    return "".join(lines)
+    # with this end of a line a carriage return in a text is quoted too
+    text: str = safe.to_csv(index=False, lineterminator="\r\n")
+    return text.replace("\r\n", "\n")
 
 
 def cell_of_text(text: str) -> str:

@@ -1,6 +1,7 @@
 """The form of a record: what is in it, from which pydantic checks it and makes its JSON Schema.
 
-Strict JSON knows neither NaN nor infinity: NaN is written as null, infinities as texts.
+Strict JSON knows neither NaN nor infinity: NaN is written as null, infinities as texts. What each
+field means is said in ``docs/records.md``.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from uqfold.comparison.columns import COLUMNS
 
 SCHEMA: Literal["uqfold-comparison/3"] = "uqfold-comparison/3"
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
+_JSON_NUMBER = [{"type": "number"}, {"enum": list(_INFINITE)}]
 
 
 def _level(value: Any) -> Any:
@@ -33,99 +35,76 @@ def _text(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-_AS_TEXT = {"enum": list(_INFINITE)}
-Level = Annotated[
-    float, BeforeValidator(_level), WithJsonSchema({"anyOf": [{"type": "number"}, _AS_TEXT]})
+_Level = Annotated[float, BeforeValidator(_level), WithJsonSchema({"anyOf": _JSON_NUMBER})]
+_Number = Annotated[
+    float, BeforeValidator(_number), WithJsonSchema({"anyOf": [*_JSON_NUMBER, {"type": "null"}]})
 ]
-Number = Annotated[
-    float,
-    BeforeValidator(_number),
-    WithJsonSchema({"anyOf": [{"type": "number"}, _AS_TEXT, {"type": "null"}]}),
-]
-Text = Annotated[str, BeforeValidator(_text)]
+_Text = Annotated[str, BeforeValidator(_text)]
 
 
-class BinomialForm(TypedDict):
-    """A binomial number of missions."""
-
+class _Binomial(TypedDict):
     planned: int
     p: float
 
 
-class CriterionForm(TypedDict):
-    """One criterion."""
-
-    threshold: Level
-    tau: Level | None
-    missions: int | BinomialForm
+class _Criterion(TypedDict):
+    threshold: _Level
+    tau: _Level | None
+    missions: int | _Binomial
 
 
-class InputForm(TypedDict):
-    """One random input."""
-
+class _Input(TypedDict):
     name: str
     unit: str
     role: str
     distribution: str
 
 
-class SystemForm(TypedDict):
-    """What may fail."""
-
+class _System(TypedDict):
     units: int
     structure: str
-    inputs: list[InputForm]
+    inputs: list[_Input]
     dependence: str
 
 
-class EquationForm(TypedDict):
-    """One equation, as in `uqfold.methods.theory.Equation`."""
-
+class _Equation(TypedDict):
     lead: str
     latex: str
     source: str
 
 
-class TheoryForm(TypedDict):
-    """What a method states of itself, as in `uqfold.methods.theory.Theory`."""
-
+class _Theory(TypedDict):
     summary: str
-    equations: list[EquationForm]
+    equations: list[_Equation]
     references: list[str]
 
 
-class MethodForm(TypedDict):
-    """One method that was asked for."""
-
+class _Method(TypedDict):
     label: str
     method: str
     title: str
     settings: str
-    theory: TheoryForm
+    theory: _Theory
 
 
-class ReferenceForm(TypedDict):
-    """Where the references come from."""
-
+class _Reference(TypedDict):
     kind: str
     how: str
     command: str
 
 
-class Header(TypedDict):
-    """How a comparison was made; ``docs/records.md`` says what each field means."""
-
+class _Header(TypedDict):
     problem: str
     response: str
     response_unit: str
-    system: SystemForm | None
-    criteria: list[CriterionForm]
-    methods: list[MethodForm]
+    system: _System | None
+    criteria: list[_Criterion]
+    methods: list[_Method]
     finished: list[str]
     seed: int
     max_evals: int | None
     failed_runs: str
-    reference: ReferenceForm | None
+    reference: _Reference | None
     command: str
     date: str
     machine: str
@@ -136,24 +115,22 @@ class Header(TypedDict):
 if TYPE_CHECKING:
     RowForm: TypeAlias = dict[str, Any]
 else:
-    _FORMS = {float: Number, int: int, str: Text}
+    _FORMS = {float: _Number, int: int, str: _Text}
     RowForm = TypedDict("RowForm", {name: _FORMS[kind] for name, kind in COLUMNS.items()})
     # numbers of missions are text, and numbers in a CSV file
     RowForm.__pydantic_config__ = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
 
 
-class Record(Header):
-    """A whole record."""
-
+class _Record(_Header):
     schema: Literal["uqfold-comparison/3"]
     columns: list[str]
     sha256: NotRequired[str]
     rows: list[RowForm]
 
 
-HEADER = TypeAdapter(Header)
+HEADER = TypeAdapter(_Header)
 ROWS = TypeAdapter(list[RowForm])
-RECORD = TypeAdapter(Record)
+RECORD = TypeAdapter(_Record)
 
 
 def record_schema() -> dict[str, Any]:

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import instance
+from uqfold.checks import instance, refused
 from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.csv_cells import TEXTS, text_of_cell
 from uqfold.comparison.form import ROWS
-from uqfold.comparison.header import ATTRIBUTE, bare_header, checked_header, criteria_forms
+from uqfold.comparison.header import ATTRIBUTE, checked_header
 from uqfold.documents import said
 from uqfold.problems.criterion import Binomial, Criterion
 
 if TYPE_CHECKING:
     import pandas as pd
+
+# what rows alone tell of how they were made: nothing but problem, criteria, methods and seed
+_UNKNOWN: dict[str, Any] = {
+    **dict.fromkeys(("response_unit", "failed_runs", "command", "date", "machine"), ""),
+    **dict.fromkeys(("system", "max_evals", "reference")),
+    **{"response": "response", "versions": {}, "source": {}},
+}
+_UNKNOWN_METHOD: dict[str, Any] = {
+    "title": "",
+    "settings": "",
+    "theory": {"summary": "", "equations": [], "references": []},
+}
 
 
 def checked_frame(frame: pd.DataFrame) -> pd.DataFrame:
@@ -75,26 +88,26 @@ def comparison_header(frame: pd.DataFrame) -> dict[str, Any]:
 def _header(document: Any, frame: pd.DataFrame) -> dict[str, Any]:
     labels = dict(zip(frame["label"], frame["method"], strict=True))
     stated = frame[["threshold", "tau", "missions", "missions_planned", "missions_p"]]
-    criteria = [_criterion(row) for row in stated.drop_duplicates().to_dict("records")]
-    occurring = {"criteria": criteria_forms(dict.fromkeys(criteria))}
+    criteria = [asdict(_criterion(row)) for row in stated.drop_duplicates().to_dict("records")]
+    told = {"criteria": criteria, "finished": list(labels)}
     if document is not None:
         header = checked_header(document)
         if set(labels) <= {one["label"] for one in header["methods"]}:
             left_out = set(header["finished"]) - set(labels)
             methods = [one for one in header["methods"] if one["label"] not in left_out]
-            return header | occurring | {"methods": methods, "finished": list(labels)}
+            return header | told | {"methods": methods}
     # where rows of another comparison were appended, nothing is known about how they were made
+    methods = [{"label": label, "method": name} | _UNKNOWN_METHOD for label, name in labels.items()]
     problem, seed = frame["problem"].iloc[0], int(frame["seed"].iloc[0])
-    return bare_header(problem, labels, seed) | occurring
+    return _UNKNOWN | told | {"problem": problem, "methods": methods, "seed": seed}
 
 
 def _criterion(row: Mapping[Any, Any]) -> Criterion:
-    missions: int | Binomial
+    missions: Any = row["missions"]
     if not math.isnan(row["missions_planned"]):
         missions = Binomial(row["missions_planned"], row["missions_p"])
-    elif row["missions"].isdecimal():
-        missions = int(row["missions"])
+    elif missions.isdecimal():
+        missions = int(missions)
     else:
-        remedy = "give a whole number, or missions_planned"
-        raise ValueError(f"missions = {row['missions']!r}: {remedy}")
+        raise refused("missions", missions, "give a whole number, or missions_planned")
     return Criterion(row["threshold"], None if math.isnan(row["tau"]) else row["tau"], missions)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from functools import cache
 from typing import Any
 
 from uqfold.checks import instance, refused
-from uqfold.comparison.form import HEADER
+from uqfold.comparison.form import HEADER, encoded
 from uqfold.comparison.plan import ComparisonPlan
 from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
@@ -36,14 +36,14 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
         "response": problem.response,
         "response_unit": problem.response_unit,
         "system": _system(problem),
-        "criteria": criteria_forms(plan.criteria),
+        "criteria": [asdict(one) for one in plan.criteria],
         "methods": [
             {
                 "label": label,
                 "method": method.name,
                 "title": method.title,
                 "settings": repr(method),
-                "theory": _theory(type(method)),
+                "theory": encoded(asdict(Theory.of(type(method)))),
             }
             for label, method in plan.methods.items()
         ],
@@ -51,29 +51,9 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
         "seed": plan.seed,
         "max_evals": plan.max_evals,
         "failed_runs": plan.evaluator.failed_runs,
-        "reference": None
-        if known is None
-        else {"kind": known.kind, "how": known.how, "command": known.command},
+        "reference": known and {name: getattr(known, name) for name in ("kind", "how", "command")},
         **{name: made[name] for name in ("command", "date", "machine", "versions")},
         "source": dict(_source(tuple(sorted(_modules(plan))))),
-    }
-
-
-def bare_header(problem: str, methods: Mapping[str, str], seed: int) -> dict[str, Any]:
-    """Return the header of rows that only tell their problem, label -> method, and seed."""
-    theory = {"summary": "", "equations": [], "references": []}
-    unknown = {"title": "", "settings": "", "theory": theory}
-    return {
-        **dict.fromkeys(("response_unit", "failed_runs", "command", "date", "machine"), ""),
-        **dict.fromkeys(("system", "max_evals", "reference")),
-        "problem": problem,
-        "response": "response",
-        "criteria": [],
-        "methods": [{"label": label, "method": name} | unknown for label, name in methods.items()],
-        "finished": list(methods),
-        "seed": seed,
-        "versions": {},
-        "source": {},
     }
 
 
@@ -104,16 +84,6 @@ def criteria_of(header: Mapping[str, Any]) -> Criteria:
         )
         for one in header["criteria"]
     )
-
-
-def criteria_forms(criteria: Iterable[Criterion]) -> list[dict[str, Any]]:
-    """Return criteria as plain dicts, for a header."""
-    return [asdict(one) for one in criteria]
-
-
-def _theory(method: type) -> dict[str, Any]:
-    stated = asdict(Theory.of(method))
-    return {name: list(one) if isinstance(one, tuple) else one for name, one in stated.items()}
 
 
 def _system(problem: Problem) -> dict[str, Any]:

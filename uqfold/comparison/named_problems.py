@@ -9,13 +9,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import choice, keep, text, whole
+from uqfold.checks import choice, function, keep, text, whole
 
 if TYPE_CHECKING:
     from uqfold.problems.base import Problem
@@ -34,69 +33,36 @@ class NamedProblem:
         How the command line calls it.
     description
         One line for lists.
-    factory
-        Where the problem is built, as ``module:function`` or ``file.py:function``; imported when
-        first needed.
+    problem
+        Builds the problem; called without arguments.
     max_evals
         Budget of each method unless another is given.
     """
 
     name: str
     description: str
-    factory: str
+    problem: Callable[[], Problem]
     max_evals: int
 
     def __post_init__(self) -> None:
-        for name in ("name", "description", "factory"):
+        for name in ("name", "description"):
             keep(self, name, text)
+        keep(self, "problem", function)
         keep(self, "max_evals", whole, at_least=1)
-
-    def problem(self) -> Problem:
-        """Build the problem.
-
-        Raises
-        ------
-        ValueError
-            If a file of the caller's own fails, or does not return a problem.
-        """
-        module, _, function = self.factory.rpartition(":")
-        if module.endswith(".py"):
-            return _built(Path(module), function)
-        built: Problem = getattr(import_module(module), function)()
-        return built
-
-
-_PROBLEMS = (
-    NamedProblem(
-        "folding-wing",
-        "deployment time of four wings with clearances",
-        "uqfold.problems:folding_wing",
-        max_evals=40_000,
-    ),
-    NamedProblem(
-        "folding-wing-random-lengths",
-        "the same with random lengths of crank and rod",
-        "uqfold.problems:folding_wing_random_lengths",
-        max_evals=40_000,
-    ),
-    NamedProblem(
-        "series",
-        "series system, nonlinear response: a formula",
-        "uqfold.problems:series",
-        max_evals=2_000_000,
-    ),
-    NamedProblem(
-        "four-bar",
-        "two four-bar linkages on a crank: a formula",
-        "uqfold.problems:four_bar",
-        max_evals=2_000_000,
-    ),
-)
 
 
 def available_problems() -> dict[str, NamedProblem]:
     """Return name -> problem with that name."""
-    return {one.name: one for one in _PROBLEMS}
+    listed = (
+        ("folding-wing", "deployment time of four wings with clearances", 40_000),
+        ("folding-wing-random-lengths", "the same with random lengths of crank and rod", 40_000),
+        ("series", "series system, nonlinear response: a formula", 2_000_000),
+        ("four-bar", "two four-bar linkages on a crank: a formula", 2_000_000),
+    )
+    return {
+        name: NamedProblem(name, description, _of_the_package(name), max_evals)
+        for name, description, max_evals in listed
+    }
 
 
 def named_problem(name: str) -> NamedProblem:
@@ -114,12 +80,9 @@ def named_problem(name: str) -> NamedProblem:
         or what it holds by that name cannot be called without arguments.
     """
     if isinstance(name, str) and ".py:" in name:
-        file, _, function = name.rpartition(":")
-        if not Path(file).is_file():
-            raise ValueError(f"name = {name!r}: there is no file {file}")
-        _factory_in(Path(file), function)
-        own = f"{Path(file).stem}-{function}"
-        return NamedProblem(own, f"{function} of {file}", name, OWN_EVALS)
+        file, _, own = name.rpartition(":")
+        build = _of_a_file(Path(file), own)
+        return NamedProblem(f"{Path(file).stem}-{own}", f"{own} of {file}", build, OWN_EVALS)
     problems = available_problems()
     if isinstance(name, str) and name.endswith(".py"):
         raise ValueError(
@@ -129,56 +92,57 @@ def named_problem(name: str) -> NamedProblem:
     return problems[choice("name", name, problems)]
 
 
-def _factory_in(file: Path, function: str) -> Callable[[], Any]:
-    """Return the function of that name in a file."""
-    loaded = _loaded_file(file.resolve())
-    if not hasattr(loaded, function):
-        raise ValueError(f"name = '{file}:{function}': {file} has no function {function!r}")
-    factory = getattr(loaded, function)
-    if not callable(factory):
-        raise _no_factory(file, function, f"it is of type {type(factory).__name__}")
+def _of_the_package(name: str) -> Callable[[], Problem]:
+    def build() -> Problem:
+        from uqfold import problems
+
+        built: Problem = getattr(problems, name.replace("-", "_"))()
+        return built
+
+    return build
+
+
+def _of_a_file(file: Path, name: str) -> Callable[[], Problem]:
+    """Return what builds the problem by a function in a file, which is loaded at once."""
+    wanted = f"{file}: {name} must be a function without arguments that returns a uqfold.Problem"
+    if not file.is_file():
+        raise ValueError(f"name = '{file}:{name}': there is no file {file}")
+    loaded = _loaded(file.resolve())
+    if not hasattr(loaded, name):
+        raise ValueError(f"name = '{file}:{name}': {file} has no function {name!r}")
+    own = getattr(loaded, name)
+    if not callable(own):
+        raise ValueError(f"{wanted}, but it is of type {type(own).__name__}")  # noqa: TRY004
     try:
-        inspect.signature(factory).bind()
+        inspect.signature(own).bind()
     except TypeError as error:
-        raise _no_factory(file, function, str(error)) from None
+        raise ValueError(f"{wanted}, but {error}") from None
     except ValueError:  # a function that does not tell its arguments
         pass
-    return factory  # type: ignore[no-any-return]
 
+    def build() -> Problem:
+        from uqfold.problems.base import Problem
 
-def _built(file: Path, function: str) -> Problem:
-    """Return the problem that a function in a file builds."""
-    from uqfold.problems.base import Problem
+        with _told_by_line(file):
+            built = own()
+        if not isinstance(built, Problem):
+            raise ValueError(f"{wanted}, but it returns {type(built).__name__}")  # noqa: TRY004
+        return built
 
-    factory = _factory_in(file, function)
-    with _told_by_line(file):
-        built = factory()
-    if not isinstance(built, Problem):
-        raise _no_factory(file, function, f"it returns {type(built).__name__}")
-    return built
-
-
-def _no_factory(file: Path, function: str, why: str) -> ValueError:
-    return ValueError(
-        f"{file}: {function} must be a function without arguments that returns a uqfold.Problem, "
-        f"but {why}"
-    )
+    return build
 
 
 @cache
-def _loaded_file(file: Path) -> ModuleType:
+def _loaded(file: Path) -> ModuleType:
     """Return the module in a file, which stays importable by its name for other processes.
 
     As when Python runs the file, its folder comes first where modules are looked for, and stays
     there: a model may import a neighbour late, or in another process.
     """
-    spec = spec_from_file_location(file.stem, file)
-    if spec is None or spec.loader is None:
-        raise ValueError(f"{file} is not a Python file")
+    spec: Any = spec_from_file_location(file.stem, file)
     module = module_from_spec(spec)
-    folder = str(file.parent)
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
+    if str(file.parent) not in sys.path:
+        sys.path.insert(0, str(file.parent))
     registered = sys.modules.setdefault(file.stem, module)
     try:
         with _told_by_line(file):
@@ -197,11 +161,8 @@ def _told_by_line(file: Path) -> Iterator[None]:
         yield
     except (Exception, SystemExit) as error:
         place = file.name
-        lines = [
-            frame.lineno
-            for frame in traceback.extract_tb(error.__traceback__)
-            if Path(frame.filename).resolve() == file.resolve()
-        ]
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [one.lineno for one in frames if Path(one.filename).resolve() == file.resolve()]
         if isinstance(error, SyntaxError) and error.filename is not None:
             place, lines = Path(error.filename).name, [error.lineno]
         if lines:
