@@ -889,7 +889,6 @@ def calls(folder: Path) -> dict[str, Call]:
                 "title": text(),
                 "caption": text(),
                 "name": text(),
-                "formats": thing({"pf": repr}),
                 "tones": thing({"converged": "good"}),
                 "belongs": thing([]).also("empty list"),
             },

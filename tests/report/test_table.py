@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
-from uqfold.plots.wording import criterion_text
+from uqfold.plots.wording import criterion_text, probability
 from uqfold.problems.criterion import criteria
 from uqfold.report import ComparisonTable
 
@@ -59,7 +59,7 @@ def test_groups_are_headed_by_criterion_and_reference(frame: pd.DataFrame) -> No
         row = frame[same].iloc[0]
         assert "reference pf" in head
         if one.tau is None:
-            assert f"{row['reference_pf']:.3e}".replace("e-0", "e-") in head
+            assert f"reference pf {probability(row['reference_pf'], 4)} ± " in head
 
 
 def test_a_criterion_without_a_reference_says_so() -> None:
@@ -76,11 +76,11 @@ def test_every_cell_is_right() -> None:
     }
     frame = toy_frame(criteria(12.0), methods).assign(seconds=0.5)
     lines = [line.split() for line in printed(frame, 120).splitlines()]
-    pf = f"{1.2 * frame['reference_pf'][0]:.3e}".replace("e-0", "e-")
-    assert ["biased", pf, "none", "20.0", "%", "250", "500", "ms", "unchecked"] in lines
-    assert ["broken", "-", "-", "-", "0", "500", "ms", "failed", "[2]"] in lines
+    pf = probability(1.2 * frame["reference_pf"][0], 4)
+    assert ["biased", pf, "none", "stated", "20.0", "%", "250", "unchecked"] in lines
+    assert ["broken", "-", "-", "-", "0", "failed", "[2]"] in lines
     # 150,000 runs are beyond the budget of 5,000
-    assert ["exact", "-", "-", "-", "0", "500", "ms", "failed", "[1]"] in lines
+    assert ["exact", "-", "-", "-", "0", "failed", "[1]"] in lines
 
 
 def test_what_a_method_refuses_costs_nothing(frame: pd.DataFrame) -> None:
@@ -131,7 +131,7 @@ def test_at_60_columns_every_row_is_one_line(frame: pd.DataFrame) -> None:
     for label in METHODS:
         assert sum(line.startswith(f"  {label} ") for line in lines) == len(GRID) + 1
     assert max(map(len, lines)) <= 60
-    assert "  left out   time and interval, which a wider terminal shows" in lines
+    assert "  left out   evaluations and interval, which a wider terminal shows" in lines
     assert "left out" not in printed(frame, 80)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,43 +11,31 @@ from uqfold.plots.error_figure import error_against_evaluations
 from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import (
-    NO_VALUE,
     Row,
     comparison_rows,
-    count_text,
     drawable,
     panel_key,
     panel_text,
-    percent,
-    probability,
-    quantity,
     reference_resolution,
-    scientific,
+)
+from uqfold.report.answers import (
+    NOT_JUDGED,
+    Remarks,
+    answers_table,
+    remark,
+    remarks,
+    status_cell,
 )
 from uqfold.report.methods_section import add_methods, add_reproduction
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Cell, Tone, typeset
+from uqfold.report.page.cells import Cell
 from uqfold.report.page.markup import literal
 from uqfold.report.summary import add_summary
-from uqfold.report.wording import remark, remarks
 
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLE_NAME = "all-answers"
-STATUS_TONES: dict[str, Tone] = {
-    "converged": "good",
-    "budget exhausted": "warn",
-    "doubtful": "warn",
-    "unsupported": "quiet",
-    "failed": "bad",
-}
-NEGLIGIBLE = 1e-6
-"""Relative standard error of a reference from which on it is written beside it."""
-_NOT_JUDGED = (
-    "~: the error is below two standard errors of the reference, which cannot judge it. Standard "
-    "errors of references below a millionth of pf are left out."
-)
+_LEFT_OUT = "Standard errors of references below a millionth of pf are left out."
 _RATIOS = (
     "On top pf over the threshold; below it every method's pf over that of the reference, under "
     "the threshold that it belongs to. Bars are the intervals that a method states itself."
@@ -117,102 +104,33 @@ def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
             _COST,
             name="error-against-evaluations",
         )
-    numbers = remarks(rows)
-    page.section("All answers", name=TABLE_NAME)
-    in_unit = f" ({unit})" if unit else ""
+    page.section("All answers", name="all-answers")
     page.table(
-        _answers(rows, in_unit, numbers),
+        answers_table(frame),
         "Every answer, with the interval that the method states",
-        formats={
-            f"T{in_unit}": _quantity,
-            f"tau{in_unit}": _quantity,
-            "pf": lambda pf: typeset(probability(pf, 4)),
-            "beta": lambda beta: NO_VALUE if math.isnan(beta) else f"{beta:.3f}",
-        },
         belongs=[
             gid(method=row["label"], criterion=panel_text(panel_key(row), unit)) for row in rows
         ],
-        tones=STATUS_TONES,
     )
     if any(row["error"] <= reference_resolution(row) for row in rows):
-        page.text(literal(_NOT_JUDGED), small=True)
-    if numbers:
+        page.text(literal(f"~: the error is {NOT_JUDGED}. {_LEFT_OUT}"), small=True)
+    if numbers := remarks(rows):
         page.section("Remarks", name="remarks")
         page.table(
             _remarks(rows, numbers),
             "What methods say about answers that did not converge",
             belongs=[gid(method=label) for label, _ in numbers],
-            tones=STATUS_TONES,
         )
 
 
-def _answers(
-    rows: Sequence[Row], in_unit: str, numbers: Mapping[tuple[str, str], int]
-) -> pd.DataFrame:
-    """Return every row of a comparison; columns that would be empty are left out."""
-    import pandas as pd
-
-    columns: dict[str, list[Any]] = {
-        "method": [row["label"] for row in rows],
-        f"T{in_unit}": [row["threshold"] for row in rows],
-    }
-    if any(not math.isnan(row["tau"]) for row in rows):
-        columns[f"tau{in_unit}"] = [row["tau"] for row in rows]
-    if len({row["missions"] for row in rows}) > 1:
-        columns["missions"] = [row["missions"] for row in rows]
-    columns["pf"] = [row["pf"] for row in rows]
-    columns["interval"] = [_interval(row) for row in rows]
-    columns["beta"] = [row["beta"] for row in rows]
-    if any(not math.isnan(row["reference_pf"]) for row in rows):
-        columns["reference"] = [_reference(row) for row in rows]
-        columns["error"] = [_error(row) for row in rows]
-    columns["evaluations"] = [_evaluations(row) for row in rows]
-    columns["status"] = [row["status"].replace("_", " ") for row in rows]
-    if numbers:
-        found = (numbers.get((row["label"], remark(row))) for row in rows)
-        columns["remark"] = ["" if number is None else f"[{number}]" for number in found]
-    return pd.DataFrame(columns)
-
-
-def _quantity(value: float) -> str:
-    return "none" if math.isnan(value) else quantity(value, "")
-
-
-def _interval(row: Row) -> Cell:
-    low, high = row["ci_low"], row["ci_high"]
-    if not math.isnan(row["pf"] + low + high):
-        return Cell(typeset(f"{probability(low, 3)} .. {probability(high, 3)}"), high - low)
-    if not math.isnan(row["pf"] + row["std_error"]):
-        return Cell(typeset(f"± {scientific(row['std_error'], 2)}"), row["std_error"])
-    return Cell(NO_VALUE if math.isnan(row["pf"]) else "none stated", math.nan)
-
-
-def _reference(row: Row) -> Cell:
-    pf, error = row["reference_pf"], row["reference_std_error"]
-    spread = f" ± {scientific(error, 2)}" if error > NEGLIGIBLE * pf else ""
-    return Cell(typeset(probability(pf, 4) + spread), pf)
-
-
-def _error(row: Row) -> Cell:
-    within = "~" if row["error"] <= reference_resolution(row) else ""
-    return Cell(f"{within}{percent(row['error'])}", row["error"])
-
-
-def _evaluations(row: Row) -> Cell:
-    # what a method refuses costs nothing
-    if row["status"] == "unsupported":
-        return Cell(NO_VALUE, math.nan)
-    return Cell(count_text(row["n_evals_row"]), float(row["n_evals_row"]))
-
-
-def _remarks(rows: Sequence[Row], numbers: Mapping[tuple[str, str], int]) -> pd.DataFrame:
+def _remarks(rows: Sequence[Row], numbers: Remarks) -> pd.DataFrame:
     """Return what methods say about answers that did not converge, each remark once."""
     import pandas as pd
 
     said = []
     for (label, words), number in numbers.items():
-        own = [row for row in rows if (row["label"], remark(row)) == (label, words)]
-        statuses = dict.fromkeys(row["status"].replace("_", " ") for row in own)
-        said.append((Cell(f"[{number}]", number), label, ", ".join(statuses), len(own), words))
+        own = [row["status"] for row in rows if (row["label"], remark(row)) == (label, words)]
+        cells = Cell(f"[{number}]", number), label, status_cell(own[0]), len(own), words
+        said.append(cells)
     heads = ["remark", "method", "status", "criteria", "what the method says"]
     return pd.DataFrame(said, columns=heads)

@@ -2,33 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import count_text, percent, seconds_text
+from uqfold.report.answers import ERROR, STATUSES, UNCHECKED, WITHIN, methods_table
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Cell, Tone, typeset
+from uqfold.report.page.cells import typeset
 from uqfold.report.page.markup import literal
 from uqfold.report.scores import RIGHT_WITHIN, method_scores, spreads
-from uqfold.report.wording import UNCHECKED
 
 if TYPE_CHECKING:
     import pandas as pd
 
-_RIGHT = f"{100 * RIGHT_WITHIN:g} %"
 _MOST_NAMED = 3
 """Methods named one by one in a card; the table below has them all."""
-_STATUSES: dict[str, tuple[str, Tone]] = {
-    "failed": ("failed", "bad"),
-    "doubtful": ("{are} doubtful", "warn"),
-    "budget_exhausted": ("{are} out of budget", "warn"),
-    "unsupported": ("{are} outside what a method can do", "quiet"),
-    "unchecked": ("{are} unchecked", ""),
-    "converged": ("{are} converged", "good"),
-}
-"""Status -> what is said of answers that have it, and their tone; the worst first."""
 _FAULTS = ["failed", "doubtful", "budget_exhausted"]
 
 
@@ -42,17 +31,16 @@ def add_summary(page: Page, frame: pd.DataFrame) -> None:
     _add_cost(page, scores)
     _add_failures(page, scores)
     page.table(
-        _methods(scores),
+        methods_table(frame),
         "Methods",
         name="methods-in-short",
-        formats={"median error": _error_text, "largest": _error_text, "time": seconds_text},
         belongs=[gid(method=label) for label in scores.index],
     )
     said = "One evaluation is one run of the model."
     if scores["referenced"].any():
         said += (
-            f" Error: |pf - reference| / reference, Eq. (49). An answer is within {_RIGHT} also "
-            "where two standard errors of the reference are more."
+            f" Error: {ERROR}. An answer is {WITHIN} also where two standard errors of the "
+            "reference are more."
         )
     if scores["unchecked"].any():
         said += f" Unchecked: {UNCHECKED}."
@@ -64,9 +52,9 @@ def _add_right(page: Page, scores: pd.DataFrame) -> None:
     ranked = scores.sort_values(["right", "n_evals"], ascending=[False, True], kind="stable")
     most, asked = ranked[["right", "referenced"]].iloc[0]
     if most == 0:
-        page.card(title, "Nobody", f"No answer is within {_RIGHT} of its reference.", tone="bad")
+        page.card(title, "Nobody", f"No answer is {WITHIN} of its reference.", tone="bad")
         return
-    more = [f"Within {_RIGHT} on {most} of {asked} criteria."]
+    more = [f"{WITHIN.capitalize()} on {most} of {asked} criteria."]
     rest = ranked[ranked["right"] < most]
     if len(rest):
         listed = (f"{literal(label)} on {right}" for label, right in rest["right"].items())
@@ -109,10 +97,10 @@ def _add_failures(page: Page, scores: pd.DataFrame) -> None:
     asked = scores["asked"].sum()
     said = {
         status: f"{n} of {asked} answers {words.format(are='is' if n == 1 else 'are')}"
-        for status, (words, _) in _STATUSES.items()
+        for status, (words, _) in STATUSES.items()
         if (n := scores[status].sum()) > 0
     }
-    tone = _STATUSES[next(iter(said))][1]
+    tone = STATUSES[next(iter(said))][1]
     if len(said) > 1:
         said.pop("converged", "")
     answer = "Nothing"
@@ -132,42 +120,3 @@ def _listed(labels: Iterable[str]) -> str:
         named = [*named[: _MOST_NAMED - 1], f"{others} others"]
     *front, last = map(literal, named)
     return f"{', '.join(front)} and {last}" if front else last
-
-
-def _methods(scores: pd.DataFrame) -> pd.DataFrame:
-    import pandas as pd
-
-    rows = scores.to_dict("records")
-    columns: dict[str, Any] = {
-        "method": scores.index,
-        "status": [_status(row) for row in rows],
-        "answered": [Cell(f"{row['answered']} of {row['asked']}", row["answered"]) for row in rows],
-    }
-    if scores["referenced"].any():
-        columns |= {
-            "median error": scores["median_error"].array,
-            "largest": scores["largest_error"].array,
-            f"within {_RIGHT}": [
-                Cell(f"{row['right']} of {row['referenced']}", row["right"]) for row in rows
-            ],
-            "interval covers": [_cover(row) for row in rows],
-        }
-    columns |= {"evaluations": scores["n_evals"].array, "time": scores["seconds"].array}
-    return pd.DataFrame(columns)
-
-
-def _error_text(error: float) -> str:
-    return "no answer" if math.isnan(error) else typeset(percent(error))
-
-
-def _cover(row: dict[Any, Any]) -> Cell:
-    if not row["stated"]:
-        return Cell("none stated", math.nan)
-    return Cell(f"{row['cover']} of {row['stated']}", row["cover"] / row["stated"])
-
-
-def _status(row: dict[Any, Any]) -> Cell:
-    """Return how often each status occurs, in the tone of the worst."""
-    occurring = [status for status in _STATUSES if row[status]]
-    listed = [f"{row[one]} {one.replace('_', ' ')}" for one in occurring if one != "converged"]
-    return Cell(", ".join(listed) or "converged", tone=_STATUSES[occurring[0]][1])

@@ -66,5 +66,5 @@ def read(html: str) -> Element:
 
 def cards(page: Page) -> dict[str, dict[str, Any]]:
     """The statements of the summary of a page, by their titles."""
-    rows = [block.data["cards"] for block in page.blocks if block.kind == "cards"]
+    rows = [block["cards"] for block in page.blocks if block["kind"] == "cards"]
     return {card["title"]: card for row in rows for card in row}

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 from urllib.parse import quote
 
-from uqfold.checks import choice, flag, function, instance, mapping, refused, several, text, whole
+from uqfold.checks import choice, flag, instance, mapping, refused, several, text, whole
 from uqfold.checks import path as checked_path
-from uqfold.report.page.cells import Formatter, Tone, grid
+from uqfold.report.page.cells import Tone, cell_of
 from uqfold.report.page.markup import escaped, fenced, literal, table_row, without_elements
-from uqfold.report.page.to_html import Block, html, visible
+from uqfold.report.page.to_html import html, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +45,8 @@ class Page:
     Attributes
     ----------
     blocks
-        What it shows, from top to bottom.
+        What it shows, from top to bottom: dicts of ``kind``, ``markdown``, and what the template
+        of that kind needs.
     pictures
         Its figures, by name.
 
@@ -75,7 +76,7 @@ class Page:
         self.lead = _markdown("lead", lead)
         self.kind = text("kind", kind, empty=True)
         self.imprint = _markdown("imprint", imprint)
-        self.blocks: list[Block] = []
+        self.blocks: list[dict[str, Any]] = []
         self.pictures: dict[str, Figure] = {}
         self._names = {"main", "summary"}
         self._folding = False
@@ -106,22 +107,20 @@ class Page:
 
     def card(self, title: str, answer: str, *more: str, tone: Tone = "") -> None:
         """Add a statement to a row of them: a question, its short answer, and what else to say."""
-        said = several("more", more, text)
         card = {
             "title": text("title", title),
             "answer": _markdown("answer", answer, empty=False),
-            "more": [without_elements(one) for one in said],
+            "more": [without_elements(one) for one in several("more", more, text)],
             "tone": choice("tone", tone, get_args(Tone)),
         }
-        if not (self.blocks and self.blocks[-1].kind == "cards"):
-            self._add("cards", "", cards=[])
-        row = self.blocks[-1]
-        row.data["cards"].append(card)
-        items = [
-            f"- {literal(title)} **{card['answer']}**",
-            *(f"  - {one}" for one in card["more"]),
-        ]
-        row.markdown = "\n".join([row.markdown, *items]).strip()
+        items = [f"- {literal(title)} **{card['answer']}**"]
+        items += [f"  - {one}" for one in card["more"]]
+        if self.blocks and self.blocks[-1]["kind"] == "cards":
+            row = self.blocks[-1]
+            row["cards"].append(card)
+            row["markdown"] += "\n" + "\n".join(items)
+        else:
+            self._add("cards", "\n".join(items), cards=[card])
 
     def facts(self, facts: Mapping[str, str]) -> None:
         """Add names and what they stand for, in two columns."""
@@ -137,7 +136,6 @@ class Page:
         caption: str = "",
         *,
         name: str = "",
-        formats: Mapping[str, Formatter] = {},
         tones: Mapping[str, Tone] = {},
         belongs: Sequence[str] = (),
     ) -> None:
@@ -152,8 +150,6 @@ class Page:
             What it shows; `caption` adds what is to be known, in Markdown.
         name
             Its anchor in links; made from the title if empty.
-        formats
-            Column -> function that writes its values.
         tones
             Text of a cell -> ``good``, ``warn``, ``bad`` or ``quiet``.
         belongs
@@ -171,17 +167,26 @@ class Page:
         owners = several("belongs", belongs, text, empty=True)
         if owners and len(owners) != len(frame):
             raise refused("belongs", belongs, f"give one name for each of {len(frame)} rows")
-        shown = grid(
-            frame,
-            mapping("formats", formats, function),
-            mapping("tones", tones, choice, get_args(Tone)),
-        )
+        shades = mapping("tones", tones, choice, get_args(Tone))
         name = self._unique(text("title", title), name)
         said = _markdown("caption", caption)
+        if any(one is not None for one in frame.index.names):
+            frame = frame.reset_index()
+        heads = [" ".join(map(str, one)) if isinstance(one, tuple) else str(one)
+                 for one in frame.columns]  # fmt: skip
+        rows = [
+            [cell_of(value, shades) for value in row]
+            for row in frame.itertuples(index=False, name=None)
+        ]
+        numeric = [
+            any(one.value is not None for one in column)
+            and all(one.value is not None or not one.text for one in column)
+            for column in zip(*rows, strict=True)
+        ] or [False] * len(heads)
         lines = [
-            table_row(map(escaped, shown.head)),
-            table_row("---:" if one else "---" for one in shown.numeric),
-            *(table_row(escaped(cell.text) for cell in row) for row in shown.rows),
+            table_row(map(escaped, heads)),
+            table_row("---:" if one else "---" for one in numeric),
+            *(table_row(escaped(cell.text) for cell in row) for row in rows),
         ]
         self._add(
             "table",
@@ -189,7 +194,9 @@ class Page:
             title=title,
             caption=said,
             name=name,
-            grid=shown,
+            heads=heads,
+            numeric=numeric,
+            rows=rows,
             belongs=owners,
         )
 
@@ -248,7 +255,7 @@ class Page:
             yield
         finally:
             inner, self.blocks, self._folding = self.blocks, outer, was_folding
-        said = [f"**{literal(title)}**", *(block.markdown for block in inner)]
+        said = [f"**{literal(title)}**", *(block["markdown"] for block in inner)]
         self._add("details", "\n\n".join(said), title=title, blocks=inner)
 
     def write(self, path: str | os.PathLike[str], *, format: str | None = None) -> list[Path]:
@@ -283,12 +290,12 @@ class Page:
 
     def markdown(self) -> str:
         """Return the page as Markdown, which refers to its pictures as ``figures/<name>.png``."""
-        told = "\n".join(block.markdown for block in self.blocks)
+        told = "\n".join(block["markdown"] for block in self.blocks)
         parts = [f"# {literal(self.title)}", self.lead]
         for block in self.blocks:
-            if block.kind == "heading" and f"](#{block.data['name']})" in told:
-                parts.append(f'<a id="{block.data["name"]}"></a>')
-            parts.append(block.markdown)
+            if block["kind"] == "heading" and f"](#{block['name']})" in told:
+                parts.append(f'<a id="{block["name"]}"></a>')
+            parts.append(block["markdown"])
         parts += ["---", self.imprint] if self.imprint else []
         return visible("\n\n".join(filter(None, parts)) + "\n")
 
@@ -298,7 +305,7 @@ class Page:
         return html(self.blocks, **about, imprint=self.imprint)
 
     def _add(self, kind: str, markdown: str, **data: Any) -> None:
-        self.blocks.append(Block(kind, markdown, data))
+        self.blocks.append({"kind": kind, "markdown": markdown, **data})
 
     def _unique(self, title: str, name: str) -> str:
         """Return an anchor of the page that no other part has."""

@@ -1,23 +1,19 @@
-"""Tables of a page from pandas frames: what a cell shows, and what it is sorted by."""
+"""Cells of a page's tables: what they show, and what they are sorted by."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
-
-if TYPE_CHECKING:
-    import pandas as pd
+from typing import Any, Literal, TypeAlias
 
 Tone: TypeAlias = Literal["", "good", "warn", "bad", "quiet"]
 """How a word is coloured; never the only bearer of its meaning."""
-Formatter: TypeAlias = "Callable[[Any], str]"
 
 DIGITS = 4
-_POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e(-?\d+)(?!\w)")
+_POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)")
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
@@ -33,56 +29,13 @@ class Cell:
     tone: Tone = ""
 
 
-@dataclass(frozen=True)
-class TypesetTable:
-    """Head (k,), whether columns are numeric (k,), and rows of cells (n, k)."""
-
-    head: tuple[str, ...]
-    numeric: tuple[bool, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-
-
-def grid(
-    frame: pd.DataFrame,
-    formats: Mapping[str, Formatter],
-    tones: Mapping[str, Tone],
-) -> TypesetTable:
-    """Return the cells of a frame; a named index comes first.
-
-    Parameters
-    ----------
-    frame
-        The frame, its headings with units.
-    formats
-        Column -> function that writes its values; `value_text` writes the others.
-    tones
-        Text of a cell -> its tone.
-    """
-    if any(name is not None for name in frame.index.names):
-        frame = frame.reset_index()
-    heads = tuple(" ".join(map(str, one)) if isinstance(one, tuple) else str(one)
-                  for one in frame.columns)  # fmt: skip
-    writers = [formats.get(head, value_text) for head in heads]
-    columns = [frame.iloc[:, i].tolist() for i in range(len(heads))]
-    cells = [
-        [_cell(value, write, tones) for value in column]
-        for column, write in zip(columns, writers, strict=True)
-    ]
-    numeric = tuple(
-        any(one.value is not None for one in column)
-        and all(one.value is not None or not one.text for one in column)
-        for column in cells
-    )
-    return TypesetTable(heads, numeric, tuple(zip(*cells, strict=True)))
-
-
-def _cell(value: Any, write: Formatter, tones: Mapping[str, Tone]) -> Cell:
+def cell_of(value: Any, tones: Mapping[str, Tone]) -> Cell:
+    """Return the cell of a value of a frame, with its numbers typeset."""
     if isinstance(value, Cell):
-        return value
-    text = write(value)
-    counts = not isinstance(value, bool) and isinstance(value, Real)
-    number = float(value) if counts else None
-    return Cell(text, number, tones.get(text, ""))
+        return Cell(typeset(value.text), value.value, value.tone)
+    text = value_text(value)
+    counts = isinstance(value, Real) and not isinstance(value, bool)
+    return Cell(text, float(value) if counts else None, tones.get(text, ""))
 
 
 def value_text(value: Any) -> str:
@@ -117,20 +70,10 @@ def number_text(value: float, digits: int = DIGITS) -> str:
     """
     if math.isnan(value):
         return ""
-    if value == 0.0 or math.isinf(value):
-        return f"{value:g}".replace("-", "−")
     if 0.0 < 1.0 - value < 0.5 * 10.0**-digits:
         return f"1 − {number_text(1.0 - value, min(digits, 3))}"
-    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-    power = int(exponent)
-    if -4 < power < 6:
-        shown = f"{float(f'{mantissa}e{power}'):.{max(digits - 1 - power, 0)}f}"
-        return _trimmed(shown).replace("-", "−")
-    return f"{_trimmed(mantissa)} × 10{str(power).translate(_RAISED)}".replace("-", "−")
-
-
-def _trimmed(text: str) -> str:
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    large = 10.0**digits <= abs(value) < 1e6
+    return typeset(f"{value:.0f}" if large else f"{value:.{digits}g}").replace("-", "−")
 
 
 def typeset(text: str) -> str:

@@ -17,7 +17,6 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from uqfold.report.page import markup
-from uqfold.report.page.cells import Cell
 from uqfold.report.page.colors import by_day, by_night
 from uqfold.report.page.mathml import mathml
 from uqfold.report.page.picture import describe, inline_svg
@@ -25,40 +24,19 @@ from uqfold.report.page.picture import describe, inline_svg
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-_SHORT = 26
-"""Cells up to this length stay on one line."""
 _INVISIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 
 
 @dataclass
-class Block:
-    """A piece of a page.
-
-    Attributes
-    ----------
-    kind
-        What it is, as the macro that makes HTML of it is called.
-    markdown
-        The piece as Markdown.
-    data
-        What that macro needs, by name.
-    """
-
-    kind: str
-    markdown: str
-    data: Mapping[str, Any]
-
-
-@dataclass
 class Section:
-    """A heading (data of its block), the blocks below it, and the sections within it."""
+    """A heading, the blocks below it, and the sections within it."""
 
     heading: Mapping[str, Any]
-    blocks: list[Block] = field(default_factory=list)
+    blocks: list[Mapping[str, Any]] = field(default_factory=list)
     sections: list[Section] = field(default_factory=list)
 
 
-def html(blocks: Iterable[Block], **about: str) -> str:
+def html(blocks: Iterable[Mapping[str, Any]], **about: str) -> str:
     """Return an HTML document; the same blocks always give the same text.
 
     Parameters
@@ -117,23 +95,20 @@ def _templates() -> Environment:
         "markdown": lambda text: Markup(markup.html(text)),
         "inline": lambda text: Markup(markup.inline_html(text)),
         "mathml": lambda latex: Markup(mathml(latex) or ""),
-        "sortable": _sortable,
-        "classes": _classes,
         "values": _values,
     }
     return templates
 
 
-def _tree(blocks: Iterable[Block]) -> Section:
+def _tree(blocks: Iterable[Mapping[str, Any]]) -> Section:
     """Put blocks below their headings, and headings below those of lower level."""
     path = [Section({"level": 0})]
     for block in blocks:
-        if block.kind == "heading":
-            section = Section(block.data)
-            while path[-1].heading["level"] >= block.data["level"]:
+        if block["kind"] == "heading":
+            while path[-1].heading["level"] >= block["level"]:
                 path.pop()
-            path[-1].sections.append(section)
-            path.append(section)
+            path[-1].sections.append(Section(block))
+            path.append(path[-1].sections[-1])
         else:
             path[-1].blocks.append(block)
     return path[0]
@@ -150,20 +125,6 @@ def _values(figure: Any) -> list[tuple[str, list[str]]]:
         )
         for name, texts in values(figure).items()
     ]
-
-
-def _sortable(cell: Cell) -> str | None:
-    """Return what a numeric cell is sorted by, empty for NaN; None for text."""
-    if cell.value is None:
-        return None
-    return "" if cell.value != cell.value else repr(cell.value)
-
-
-def _classes(cell: Cell, numeric: bool) -> str:
-    named = {
-        "number": numeric, "short": len(cell.text) <= _SHORT, f"tone {cell.tone}": cell.tone
-    }  # fmt: skip
-    return " ".join(name for name, applies in named.items() if applies)
 
 
 def _hash(text: str) -> str:

@@ -1,0 +1,171 @@
+"""The answers of a comparison and the scores of its methods in words, for terminal and page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from uqfold.plots.style import HEADER
+from uqfold.plots.wording import (
+    NO_VALUE,
+    Row,
+    comparison_rows,
+    count_text,
+    percent,
+    probability,
+    quantity,
+    reference_resolution,
+    scientific,
+    seconds_text,
+)
+from uqfold.report.page.cells import Cell, Tone
+from uqfold.report.scores import RIGHT_WITHIN, method_scores
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+STATUSES: dict[str, tuple[str, Tone]] = {
+    "failed": ("failed", "bad"),
+    "doubtful": ("{are} doubtful", "warn"),
+    "budget_exhausted": ("{are} out of budget", "warn"),
+    "unsupported": ("{are} outside what a method can do", "quiet"),
+    "unchecked": ("{are} unchecked", ""),
+    "converged": ("{are} converged", "good"),
+}
+"""Status -> what is said of answers that have it, and their tone; the worst first."""
+WITHIN = f"within {100 * RIGHT_WITHIN:g} %"
+UNCHECKED = "nobody estimated the error of the answer"
+NOT_JUDGED = "below two standard errors of the reference, which cannot judge it"
+ERROR = "|pf - reference| / reference, Eq. (49)"
+_NEGLIGIBLE = 1e-6
+"""Relative standard error of a reference from which on it is written beside it."""
+
+Remarks: TypeAlias = Mapping[tuple[str, str], int]
+"""(label, what the method says) -> number."""
+
+
+def remark(row: Row) -> str:
+    """Return what a method says about a row that did not converge; empty if nothing."""
+    if row["status"] == "converged":
+        return ""
+    if row["pf_low"] < row["pf_high"]:
+        bounds = " to ".join(scientific(row[end], 3) for end in ("pf_low", "pf_high"))
+        return f"{row['message']}; with the failed runs pf may be {bounds}"
+    return str(row["message"])
+
+
+def remarks(rows: Sequence[Row]) -> Remarks:
+    """Number the remarks by label and words; the same words of the same method are one."""
+    said = dict.fromkeys((row["label"], remark(row)) for row in rows if remark(row))
+    return {key: number for number, key in enumerate(said, start=1)}
+
+
+def status_cell(status: str) -> Cell:
+    """Return a status in words, in its tone."""
+    _, tone = STATUSES.get(status, ("", ""))
+    return Cell(status.replace("_", " "), tone=tone)
+
+
+def answers_table(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return every answer of a comparison as cells; columns that would be empty are left out."""
+    import pandas as pd
+
+    rows, unit = comparison_rows(frame), frame.attrs[HEADER]["response_unit"]
+    in_unit = f" ({unit})" if unit else ""
+    numbers = remarks(rows)
+    listed = []
+    for row in rows:
+        number = numbers.get((row["label"], remark(row)))
+        cells: dict[str, Any] = {
+            "method": row["label"],
+            f"T{in_unit}": _quantity(row["threshold"]),
+            f"tau{in_unit}": _quantity(row["tau"]),
+            "missions": row["missions"],
+            "pf": Cell(probability(row["pf"], 4), row["pf"]),
+            "interval": _interval(row),
+            "beta": Cell(
+                NO_VALUE if math.isnan(row["beta"]) else f"{row['beta']:.3f}", row["beta"]
+            ),
+            "reference": _reference(row),
+            "error": _error(row),
+            "evaluations": _evaluations(row),
+            "status": status_cell(row["status"]),
+            "remark": "" if number is None else f"[{number}]",
+        }
+        listed.append(cells)
+    unused = {
+        f"tau{in_unit}": frame["tau"].isna().all(),
+        "missions": frame["missions"].nunique() == 1,
+        "reference": frame["reference_pf"].isna().all(),
+        "error": frame["reference_pf"].isna().all(),
+        "remark": not numbers,
+    }
+    return pd.DataFrame(listed).drop(columns=[name for name in unused if unused[name]])
+
+
+def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return one row of cells per method: how much it answered, how well, and at what cost."""
+    import pandas as pd
+
+    listed = []
+    scores = method_scores(frame)
+    for label, row in zip(scores.index, scores.to_dict("records"), strict=True):
+        occurring = [status for status in STATUSES if row[status]]
+        said = [f"{row[one]} {one.replace('_', ' ')}" for one in occurring if one != "converged"]
+        covers = Cell("none stated", math.nan)
+        if row["stated"]:
+            covers = Cell(f"{row['cover']} of {row['stated']}", row["cover"] / row["stated"])
+        listed.append(
+            {
+                "method": label,
+                "status": Cell(", ".join(said) or "converged", tone=STATUSES[occurring[0]][1]),
+                "answered": Cell(f"{row['answered']} of {row['asked']}", row["answered"]),
+                "median error": Cell(percent(row["median_error"]), row["median_error"]),
+                "largest": Cell(percent(row["largest_error"]), row["largest_error"]),
+                WITHIN: Cell(f"{row['right']} of {row['referenced']}", row["right"]),
+                "interval covers": covers,
+                "evaluations": Cell(count_text(row["n_evals"]), row["n_evals"]),
+                "time": Cell(seconds_text(row["seconds"]), row["seconds"]),
+            }
+        )
+    of_references = ["median error", "largest", WITHIN, "interval covers"]
+    without = [] if scores["referenced"].any() else of_references
+    return pd.DataFrame(listed).drop(columns=without)
+
+
+def _quantity(value: float) -> Cell:
+    return Cell("none" if math.isnan(value) else quantity(value, ""), value)
+
+
+def _interval(row: Row) -> Cell:
+    """Return the interval, or else the standard error."""
+    low, high = row["ci_low"], row["ci_high"]
+    if not math.isnan(row["pf"] + low + high):
+        return Cell(f"{probability(low, 3)} .. {probability(high, 3)}", high - low)
+    if not math.isnan(row["pf"] + row["std_error"]):
+        return Cell(f"± {scientific(row['std_error'], 2)}", row["std_error"])
+    return Cell(NO_VALUE if math.isnan(row["pf"]) else "none stated", math.nan)
+
+
+def _reference(row: Row) -> Cell:
+    """Return the reference of a row, with its standard error where that is worth it."""
+    pf, error = row["reference_pf"], row["reference_std_error"]
+    spread = f" ± {scientific(error, 2)}" if error > _NEGLIGIBLE * pf else ""
+    return Cell(probability(pf, 4) + spread, pf)
+
+
+def _beta(value: float) -> Cell:
+    return Cell(NO_VALUE if math.isnan(value) else f"{value:.3f}", value)
+
+
+def _error(row: Row) -> Cell:
+    within = "~" if row["error"] <= reference_resolution(row) else ""
+    return Cell(f"{within}{percent(row['error'])}", row["error"])
+
+
+def _evaluations(row: Row) -> Cell:
+    # what a method refuses costs nothing
+    if row["status"] == "unsupported":
+        return Cell(NO_VALUE, math.nan)
+    return Cell(count_text(row["n_evals_row"]), float(row["n_evals_row"]))
