@@ -74,7 +74,7 @@ def test_words_that_mean_nothing_are_usage_errors(
 def test_progress_lines_are_json_and_show_the_running_estimate(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("uqfold.report.progress_lines.EVERY_SECONDS", 0.0)
+    monkeypatch.setattr("uqfold.report.progress.LINE_EVERY_SECONDS", 0.0)
     words = [*ONE, "--method", "ffni-spa", "--method", "mc", "--max-evals", "40000"]
     assert run(*words, "--progress", "json", "--quiet", "--out", "r") == 0
     out, err = capsys.readouterr()

@@ -103,10 +103,10 @@ def test_messages_stand_below_once_each_and_converged_rows_have_none(frame: pd.D
     body, _, notes = text.partition("\n  interval ")
     assert "ArithmeticError" not in body
     # brackets in a message are text, not markup
-    assert notes.count("[2] broken: ArithmeticError: a pole [at zero]") == 1
+    assert notes.count("[3] broken: ArithmeticError: a pole [at zero]") == 1
     assert notes.count("[1] biased: told not to answer tau") == 1
     assert body.count("unsupported [1]") == len(GRID) / 2
-    assert body.count("failed [2]") == len(GRID)
+    assert body.count("failed [3]") == len(GRID)
     assert not re.search(r"converged \[", body)
 
 

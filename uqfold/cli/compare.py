@@ -6,7 +6,8 @@ import contextlib
 import os
 import shlex
 import sys
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -117,7 +118,7 @@ def compare_methods(
     from uqfold.comparison.plan import plan_comparison
     from uqfold.evaluation import Dask, Evaluator
 
-    def plan() -> ComparisonPlan:
+    def checked_plan() -> ComparisonPlan:
         return plan_comparison(
             asked,
             None if method is None else listed(method),
@@ -133,122 +134,124 @@ def compare_methods(
             ),
         )
 
-    planned = usage(plan)
+    plan = usage(checked_plan)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
         check_writable(folder)
     except OSError as error:
         raise typer.BadParameter(f"--out {os_error_text(error)}") from error
-    session = ComparisonSession(
-        planned, folder, context.obj, not no_figures, quiet, json_lines=progress == "json"
+    code = _compare(
+        plan, folder, context.obj, figures=not no_figures, quiet=quiet, lines=progress == "json"
     )
-    raise typer.Exit(session.run())
+    raise typer.Exit(code)
 
 
-@dataclass
-class ComparisonSession:
-    """One comparison under way: a plan, where its files go, and how much is told of it."""
+def _compare(
+    plan: ComparisonPlan,
+    folder: Path,
+    invocation: Invocation,
+    *,
+    figures: bool,
+    quiet: bool,
+    lines: bool,
+) -> int:
+    """Run all methods and report; return the exit code of the program.
 
-    plan: ComparisonPlan
-    folder: Path
-    invocation: Invocation
-    figures: bool
-    quiet: bool
-    json_lines: bool
-    frame: pd.DataFrame | None = None
+    Every finished method is saved at once. An interruption ends the run, but the methods that
+    finished are kept and shown.
+    """
+    from uqfold.comparison.records import write_records
+    from uqfold.evaluation import EngineError, FailedRunError
+    from uqfold.report.figures import figure_paths
 
-    def run(self) -> int:
-        """Run all methods and report; return the exit code of the program.
+    frame, code = None, 0
+    try:
+        for frame in _watched(plan, invocation, quiet=quiet, lines=lines):
+            if len(frame.attrs["uqfold-comparison"]["finished"]) == 1:
+                # figures of an earlier comparison would not belong to these records
+                for path in figure_paths(folder):
+                    path.unlink(missing_ok=True)
+            write_records(frame, folder)
+    except KeyboardInterrupt:
+        _say_interrupted(plan, frame, folder, invocation)
+        code = EXIT_INTERRUPTED
+    except (FailedRunError, EngineError) as error:
+        say(f"error: {error}")
+        code = EXIT_FAILED
+    except OSError as error:
+        # the methods that finished are still shown
+        say(f"error: {os_error_text(error)}")
+        figures, code = False, EXIT_USAGE
+    if frame is not None:
+        _show(frame, folder, figures=figures, quiet=quiet)
+    if code == 0 and (frame is None or frame["pf"].isna().all()):
+        say("error: no method has an answer")
+        code = EXIT_FAILED
+    return code
 
-        Every finished method is saved at once. An interruption ends the run, but the methods that
-        finished are kept and shown.
-        """
-        from uqfold.evaluation import EngineError, FailedRunError
 
-        code = 0
-        try:
-            self._run_methods()
-        except KeyboardInterrupt:
-            self._say_interrupted()
-            code = EXIT_INTERRUPTED
-        except (FailedRunError, EngineError) as error:
-            say(f"error: {error}")
-            code = EXIT_FAILED
-        except OSError as error:
-            # the methods that finished are still shown
-            say(f"error: {os_error_text(error)}")
-            self.figures, code = False, EXIT_USAGE
-        if self.frame is not None:
-            self._report(self.frame)
-        if code == 0 and (self.frame is None or self.frame["pf"].isna().all()):
-            say("error: no method has an answer")
-            code = EXIT_FAILED
-        return code
+def _watched(
+    plan: ComparisonPlan, invocation: Invocation, *, quiet: bool, lines: bool
+) -> Iterator[pd.DataFrame]:
+    """Yield the comparison so far after each method, with progress on the standard error."""
+    from rich.console import Console
 
-    def _run_methods(self) -> None:
-        from rich.console import Console
+    from uqfold.comparison.run import run_comparison
+    from uqfold.provenance import shown_command
+    from uqfold.report.progress import ComparisonProgressBar, ProgressLines, notice_if_slow
 
-        from uqfold.comparison.records import write_records
-        from uqfold.comparison.run import run_comparison
-        from uqfold.provenance import shown_command
-        from uqfold.report.figures import figure_paths
-        from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
-        from uqfold.report.progress_lines import ProgressLines
+    terminal = Console(stderr=True, quiet=quiet)
+    with notice_if_slow(COMPILING, terminal):
+        run_once(plan.problem)
+    check = invocation.interrupts.check
+    told = ProgressLines(sys.stderr) if lines else None
+    with told or ComparisonProgressBar(list(plan.methods), terminal) as bar:
 
-        terminal = Console(stderr=True, quiet=self.quiet)
-        with notice_if_slow(COMPILING, terminal):
-            run_once(self.plan.problem)
-        labels = list(self.plan.methods)
-        told = ProgressLines(sys.stderr) if self.json_lines else None
-        with told or ComparisonProgressBar(labels, terminal) as bar:
-            plan = replace(self.plan, evaluator=replace(self.plan.evaluator, watch=bar.watch))
-            check = self.invocation.interrupts.check
+        def progress(label: str, n_evals: int, expected: int | None) -> None:
+            check()
+            bar(label, n_evals, expected)
 
-            def progress(label: str, n_evals: int, expected: int | None) -> None:
-                check()
-                bar(label, n_evals, expected)
+        watched = replace(plan, evaluator=replace(plan.evaluator, watch=bar.watch))
+        command = shown_command(["uqfold", *invocation.words])
+        for frame in run_comparison(watched, progress, command):
+            # what was interrupted may look finished where a library swallowed the interruption
+            check()
+            yield frame
 
-            command = shown_command(["uqfold", *self.invocation.words])
-            for frame in run_comparison(plan, progress, command):
-                # what was interrupted may look finished where a library swallowed the interruption
-                check()
-                if self.frame is None:
-                    # figures of an earlier comparison would not belong to these records
-                    for path in figure_paths(self.folder):
-                        path.unlink(missing_ok=True)
-                self.frame = frame
-                write_records(frame, self.folder)
 
-    def _report(self, frame: pd.DataFrame) -> None:
-        from uqfold.comparison.records import CSV_NAME, JSON_NAME
-        from uqfold.report.figures import write_figures
-        from uqfold.report.table import ComparisonTable
+def _show(frame: pd.DataFrame, folder: Path, *, figures: bool, quiet: bool) -> None:
+    """Print the table, draw the figures, and say what has been written."""
+    from uqfold.comparison.records import CSV_NAME, JSON_NAME
+    from uqfold.report.figures import write_figures
+    from uqfold.report.table import ComparisonTable
 
-        out = stdout_console(quiet=self.quiet)
-        names = [CSV_NAME, JSON_NAME]
-        try:
-            out.print(ComparisonTable(frame))
-        finally:
-            # the files are written whether or not anybody can read the table
-            if self.figures:
-                names += [path.name for path in write_figures(frame, self.folder)]
-        written = f"\nwritten to {shown_path(self.folder)}: {', '.join(names)}"
-        out.print(written, highlight=False, markup=False)
+    out = stdout_console(quiet=quiet)
+    names = [CSV_NAME, JSON_NAME]
+    try:
+        out.print(ComparisonTable(frame))
+    finally:
+        # the files are written whether or not anybody can read the table
+        if figures:
+            names += [path.name for path in write_figures(frame, folder)]
+    written = f"\nwritten to {shown_path(folder)}: {', '.join(names)}"
+    out.print(written, highlight=False, markup=False)
 
-    def _say_interrupted(self) -> None:
-        from uqfold.evaluation import Store
 
-        finished = [] if self.frame is None else list(dict.fromkeys(self.frame["label"]))
-        said = "interrupted before any method finished; nothing was written"
-        if finished:
-            n, kept = len(self.plan.methods), shown_path(self.folder)
-            said = f"interrupted: {len(finished)} of {n} methods finished and are kept in {kept}: "
-            said += ", ".join(finished)
-        say(said)
-        store = self.plan.evaluator.store
-        if isinstance(store, Store):
-            kept = f"{len(store):,} evaluations are kept in {shown_path(store.path)}"
-            say(f"{kept}; to go on from there: {shlex.join(['uqfold', *self.invocation.words])}")
+def _say_interrupted(
+    plan: ComparisonPlan, frame: pd.DataFrame | None, folder: Path, invocation: Invocation
+) -> None:
+    from uqfold.evaluation import Store
+
+    if frame is None:
+        say("interrupted before any method finished; nothing was written")
+    else:
+        finished = frame["label"].unique()
+        kept = f"{len(finished)} of {len(plan.methods)} methods finished and are kept in"
+        say(f"interrupted: {kept} {shown_path(folder)}: {', '.join(finished)}")
+    store = plan.evaluator.store
+    if isinstance(store, Store):
+        kept = f"{len(store):,} evaluations are kept in {shown_path(store.path)}"
+        say(f"{kept}; to go on from there: {shlex.join(['uqfold', *invocation.words])}")
 
 
 def say(text: str) -> None:

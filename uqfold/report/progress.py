@@ -1,11 +1,13 @@
-"""A progress bar per method, on terminals only and only for what takes longer than two seconds."""
+"""Progress of a comparison: a bar per method on terminals, or lines of JSON for programs."""
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any, Self, TextIO
 
 from rich.console import Console, RenderableType
 from rich.progress import (
@@ -23,6 +25,7 @@ from rich.text import Text
 from uqfold.evaluation import RunningEstimate
 
 SHOW_AFTER_SECONDS = 2.0
+LINE_EVERY_SECONDS = 1.0
 WIDE = 130
 """Terminals from this width on show the running estimate too."""
 
@@ -47,18 +50,18 @@ class ComparisonProgressBar(Progress):
         self._labels = list(labels)
         self._since = time.monotonic()
         self._current: TaskID | None = None
-        columns = [
+        wide = console.width >= WIDE
+        super().__init__(
             SpinnerColumn(),
             TextColumn("{task.description}"),
-            BarColumn(bar_width=30 if console.width >= WIDE else 10),
+            BarColumn(bar_width=30 if wide else 10),
             _CountColumn(unit),
             TimeRemainingColumn(compact=True),
-        ]
-        if console.width >= WIDE:
-            columns.append(TextColumn("{task.fields[estimate]}", markup=False))
-        super().__init__(
-            *columns, console=console, transient=True, disable=not console.is_terminal
-        )  # fmt: skip
+            *([TextColumn("{task.fields[estimate]}", markup=False)] if wide else []),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
 
     def stop(self) -> None:
         """Stop; rich 13 would end even a bar that was never drawn with an empty line."""
@@ -88,18 +91,6 @@ class ComparisonProgressBar(Progress):
         self.update(self._current, completed=n_evals, total=expected)
 
 
-@contextmanager
-def notice_if_slow(message: str, console: Console) -> Iterator[None]:
-    """Print a message if what follows takes longer than two seconds."""
-    timer = threading.Timer(SHOW_AFTER_SECONDS, console.print, [message])
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-
-
 class _CountColumn(ProgressColumn):
     """How many so far, how many are expected, and their rate."""
 
@@ -112,3 +103,73 @@ class _CountColumn(ProgressColumn):
         of = "" if task.total is None else f" of {int(task.total):,}"
         rate = "" if task.speed is None else f", {task.speed:,.0f}/s"
         return Text(f"{done}{of} {self._unit}{rate}")
+
+
+class ProgressLines:
+    """Writes one JSON object per line as each method starts, then at most every second.
+
+    Its fields: ``method``, ``n_evals``, ``expected`` (null: not known), ``seconds`` since the
+    method started, ``evals_per_second``; from methods that have a running estimate also
+    ``criterion``, ``pf``, ``ci_low`` and ``ci_high``. Used as `ComparisonProgressBar` is.
+
+    Parameters
+    ----------
+    stream
+        Where to write.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._started = self._written = 0.0
+        self._line: dict[str, Any] = {}
+        self._told = True
+
+    def __enter__(self) -> Self:
+        """Return the lines themselves."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Write the last report."""
+        self._write()
+
+    def watch(self, estimate: RunningEstimate) -> None:
+        """Take the running estimate of the method that runs."""
+        named = "criterion", "pf", "ci_low", "ci_high"
+        self._line |= {name: getattr(estimate, name) for name in named}
+
+    def __call__(self, label: str, n_evals: int, expected: int | None) -> None:
+        """Take one report of the comparison; zero runs mean that the method starts."""
+        now = time.monotonic()
+        if n_evals == 0 or label != self._line.get("method"):
+            self._write()
+            self._line, self._started = {}, now
+        seconds = now - self._started
+        rate = round(n_evals / seconds, 1) if n_evals and seconds > 0.0 else 0.0
+        self._line |= {
+            "method": label,
+            "n_evals": n_evals,
+            "expected": expected,
+            "seconds": round(seconds, 3),
+            "evals_per_second": rate,
+        }
+        self._told = False
+        if n_evals == 0 or now - self._written >= LINE_EVERY_SECONDS:
+            self._write()
+
+    def _write(self) -> None:
+        if not self._told:
+            self._stream.write(json.dumps(self._line) + "\n")
+            self._stream.flush()
+            self._written, self._told = time.monotonic(), True
+
+
+@contextmanager
+def notice_if_slow(message: str, console: Console) -> Iterator[None]:
+    """Print a message if what follows takes longer than two seconds."""
+    timer = threading.Timer(SHOW_AFTER_SECONDS, console.print, [message])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
