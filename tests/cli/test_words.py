@@ -32,7 +32,7 @@ def test_lists_are_split_at_commas_outside_parentheses(words: list[str], parts: 
     ],
 )
 def test_mission_profiles(word: str, missions: object) -> None:
-    assert mission_profile(word, "missions") == missions
+    assert mission_profile(word) == missions
 
 
 def test_without_options_the_default_grid() -> None:
@@ -61,11 +61,11 @@ def test_a_value_given_twice_is_asked_once() -> None:
         (["x"], None, None, "--threshold x: give a number"),
         (["nan"], None, None, "threshold = nan"),
         ([","], None, None, "--threshold is empty"),
-        (None, ["half"], None, "--tau half: give a number or none"),
+        (None, ["half"], None, "--tau half: give a number"),
         (None, ["-1"], None, r"tau = -1.0: give a number >= 0"),
         (None, None, ["0"], "missions = 0"),
         (None, None, ["1.5"], "--missions 1.5: give a whole number, or PLANNED:P"),
-        (None, None, ["10:x"], "--missions x: give a number"),
+        (None, None, ["10:x"], "--missions 10:x: give a number"),
         (None, None, ["10:1.7"], "p = 1.7: give a probability"),
         (None, None, ["0:0.7"], "planned = 0"),
     ],

@@ -4,42 +4,42 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Any
 
 from uqfold.problems.criterion import Binomial, Criteria, Missions, criteria
-
-Value = TypeVar("Value")
 
 _BINOMIAL = re.compile(r"(?:binomial\()?\s*(\d+)\s*[:,]\s*([^)\s]+)\s*\)?")
 
 
-def number(word: str, option: str, remedy: str = "give a number") -> float:
-    """Read a number.
-
-    Raises
-    ------
-    ValueError
-        If the word is none; the message names the option.
-    """
+def number(word: str) -> float:
+    """Read a number."""
     try:
         return float(word)
     except ValueError:
-        raise ValueError(f"--{option} {word}: {remedy}") from None
+        raise ValueError("give a number") from None
 
 
-def number_or_none(word: str, option: str) -> float | None:
+def number_or_none(word: str) -> float | None:
     """Read a number, or the word ``none``."""
-    return None if word.lower() == "none" else number(word, option, "give a number or none")
+    return None if word.lower() == "none" else number(word)
 
 
-def mission_profile(word: str, option: str) -> Missions:
+def mission_profile(word: str) -> Missions:
     """Read a number of missions, or a binomial number as ``10:0.7`` or ``binomial(10, 0.7)``."""
     if word.isdecimal():
         return int(word)
     match = _BINOMIAL.fullmatch(word)
     if match is None:
-        raise ValueError(f"--{option} {word}: give a whole number, or PLANNED:P as in 10:0.7")
-    return Binomial(int(match[1]), number(match[2], option))
+        raise ValueError("give a whole number, or PLANNED:P as in 10:0.7")
+    return Binomial(int(match[1]), number(match[2]))
+
+
+_READ: dict[str, Callable[[str], Any]] = {
+    "threshold": number,
+    "tau": number_or_none,
+    "missions": mission_profile,
+}
+"""Option -> what reads a word of it."""
 
 
 def listed(words: Iterable[str]) -> list[str]:
@@ -68,23 +68,26 @@ def chosen_criteria(
                 "default_criteria="
             )
         default = criteria(0.0)
-    if threshold is None and tau is None and missions is None:
+    given = {"threshold": threshold, "tau": tau, "missions": missions}
+    if all(words is None for words in given.values()):
         return default
     return criteria(
-        _read(threshold, number, "threshold", [one.threshold for one in default]),
-        _read(tau, number_or_none, "tau", [one.tau for one in default]),
-        _read(missions, mission_profile, "missions", [one.missions for one in default]),
+        *(
+            list(dict.fromkeys(getattr(one, option) for one in default))
+            if words is None
+            else _read(option, words)
+            for option, words in given.items()
+        )
     )
 
 
-def _read(
-    words: Iterable[str] | None,
-    read: Callable[[str, str], Value],
-    option: str,
-    default: Iterable[Value],
-) -> list[Value]:
-    values = default if words is None else [read(word, option) for word in listed(words)]
-    unique = list(dict.fromkeys(values))
-    if not unique:
+def _read(option: str, words: Iterable[str]) -> list[Any]:
+    values = []
+    for word in listed(words):
+        try:
+            values.append(_READ[option](word))
+        except ValueError as error:
+            raise ValueError(f"--{option} {word}: {error}") from None
+    if not values:
         raise ValueError(f"--{option} is empty: give at least one value")
-    return unique
+    return list(dict.fromkeys(values))

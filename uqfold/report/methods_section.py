@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from math import isnan
 from typing import Any
 
-from uqfold.plots.wording import Row, quantity
+from uqfold.plots.wording import Row
 from uqfold.report.page.builder import Page
 from uqfold.report.page.markup import code, literal
 
@@ -13,6 +14,11 @@ _STRUCTURES = {
     "Series()": "all of which must work",
     "Parallel()": "at least one of which must work",
 }
+_SHARED = (
+    "Shared inputs are drawn once for the whole system and kept over its missions, so that "
+    "failures of its units are correlated; individual inputs are drawn for every unit and "
+    "every mission."
+)
 _DEFINITION = (
     (
         r"q(v) = \Pr\left\{ \max_i t_i \le T \mid v \right\} = "
@@ -100,36 +106,28 @@ def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
         page.text(literal(said + "Its inputs are not recorded."))
         return
     units = "one unit" if system["units"] == 1 else f"{system['units']} units"
-    structure = system["structure"]
-    must = _STRUCTURES.get(structure, f"structure {structure}")
+    must = _STRUCTURES.get(system["structure"], f"structure {system['structure']}")
     said = f"{header['problem']}: {units}, {must}. "
     said += f"The response of a unit is its {header['response']}{unit}. "
     if system["units"] > 1 and any(one["role"] == "shared" for one in system["inputs"]):
-        said += (
-            "Shared inputs are drawn once for the whole system and kept over its missions, so that "
-            "failures of its units are correlated; individual inputs are drawn for every unit and "
-            "every mission."
-        )
+        said += _SHARED
     page.text(literal(said))
-    listed = [(one["name"], one["unit"] or "–", one["role"], one["distribution"])
-              for one in system["inputs"]]  # fmt: skip
-    heads = ["input", "unit", "role", "distribution"]
-    page.table(pd.DataFrame(listed, columns=heads), "Random inputs")
+    inputs = pd.DataFrame(system["inputs"], columns=["name", "unit", "role", "distribution"])
+    inputs["unit"] = inputs["unit"].replace("", "–")
+    page.table(inputs.rename(columns={"name": "input"}), "Random inputs")
     if system["dependence"] != "independent":
         page.text(literal(f"The inputs are joined by a copula: {system['dependence']}."))
 
 
 def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) -> None:
     unit = header["response_unit"]
-    thresholds, taus = ({row[name]: None for row in rows} for name in ("threshold", "tau"))
-    missions = dict.fromkeys(str(row["missions"]) for row in rows)
-    facts = {"threshold T": _values(thresholds, unit)}
-    with_tau = [tau for tau in taus if tau == tau]  # noqa: PLR0124
-    without_tau = len(with_tau) < len(taus)
-    if with_tau:
-        none = "none, " if without_tau else ""
-        facts["synchronization threshold tau"] = none + _values(dict.fromkeys(with_tau), unit)
-    facts["missions m"] = literal(", ".join(missions))
+    taus = dict.fromkeys("none" if isnan(row["tau"]) else f"{row['tau']:g}" for row in rows)
+    missions = ", ".join(dict.fromkeys(row["missions"] for row in rows))
+    thresholds = ", ".join(dict.fromkeys(f"{row['threshold']:g}" for row in rows))
+    facts = {"threshold T": literal(f"{thresholds} {unit}".strip())}
+    if list(taus) != ["none"]:
+        facts["synchronization threshold tau"] = literal(f"{', '.join(taus)} {unit}".strip())
+    facts["missions m"] = literal(missions)
     facts["criteria in all"] = str(len(header["criteria"]))
     if header["max_evals"] is not None:
         facts["budget of each method"] = f"{header['max_evals']:,} evaluations"
@@ -145,19 +143,10 @@ def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) ->
     page.facts(facts)
     system = header["system"]
     if system is not None and system["structure"] == "Series()":
-        _add_definition(page, without_tau, bool(with_tau), "binomial" in " ".join(missions))
-
-
-def _values(values: Iterable[float], unit: str) -> str:
-    listed = [quantity(value, "") for value in values]
-    return literal(f"{', '.join(listed)} {unit}".strip())
-
-
-def _add_definition(page: Page, without_tau: bool, with_tau: bool, binomial: bool) -> None:
-    """Define the failure probability of a series system, as the criteria ask for it."""
-    for asked, equation in zip((without_tau, with_tau, True, binomial), _DEFINITION, strict=True):
-        if asked:
-            page.equation(*equation)
+        asked = ("none" in taus, set(taus) != {"none"}, True, "binomial" in missions)
+        for applies, equation in zip(asked, _DEFINITION, strict=True):
+            if applies:
+                page.equation(*equation)
 
 
 def _add_method(page: Page, entry: Mapping[str, Any], cited: Mapping[str, int]) -> None:
