@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from uqfold.checks import instance, listed, mapping, refused
+from uqfold.checks import instance, listed, mapping, refused, several
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
     CriteriaLike,
@@ -75,22 +75,24 @@ def plan_comparison(
 
 def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
     if methods is None:
-        return {name: method() for name, method in available().items()}
+        methods = list(available())
     if isinstance(methods, Mapping):
         labelled = mapping("methods", methods, _built)
         if not all(label.strip() for label in labelled):
             raise refused("methods", list(labelled), "give labels that are not empty")
     else:
-        one = isinstance(methods, str | ReliabilityMethod)
-        given = (methods,) if one else listed("methods", methods, what="list of methods")
-        labelled = {}
-        for i, item in enumerate(given):
-            method = _built("methods" if one else f"methods[{i}]", item)
-            if method.name in labelled:
-                raise ValueError(
-                    f"methods: two are labelled {method.name!r}, give a dict of label -> method"
-                )
-            labelled[method.name] = method
+        built = (
+            (_built("methods", methods),)
+            if isinstance(methods, str | ReliabilityMethod)
+            else several("methods", listed("methods", methods, what="list of methods"), _built)
+        )
+        names = [method.name for method in built]
+        twice = [name for i, name in enumerate(names) if name in names[:i]]
+        if twice:
+            raise ValueError(
+                f"methods: two are labelled {twice[0]!r}, give a dict of label -> method"
+            )
+        labelled = dict(zip(names, built, strict=True))
     if not labelled:
         raise refused("methods", methods, f"choose from {', '.join(available())}")
     return labelled
@@ -100,10 +102,6 @@ def _built(name: str, method: MethodLike) -> ReliabilityMethod:
     if isinstance(method, str):
         return named(name, method)
     if isinstance(method, type) and issubclass(method, ReliabilityMethod):
-        raise refused(
-            name, method, f"it is a class, give an instance: {method.__name__}()", TypeError
-        )
-    checked: ReliabilityMethod = instance(
-        name, method, (ReliabilityMethod,), "give a name or a ReliabilityMethod"
-    )
-    return checked
+        remedy = f"it is a class, give an instance: {method.__name__}()"
+        raise refused(name, method, remedy, TypeError)
+    return instance(name, method, ReliabilityMethod, "give a name or a ReliabilityMethod")  # type: ignore[type-abstract]

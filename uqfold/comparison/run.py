@@ -61,7 +61,7 @@ def run_comparison(
         evaluator = plan.evaluator
         if progress is not None:
             progress(label, 0, None)
-            evaluator = replace(evaluator, progress=_both(evaluator, label, progress))
+            evaluator = replace(evaluator, progress=_telling(progress, label, evaluator.progress))
         result = method.estimate(
             plan.problem,
             plan.criteria,
@@ -144,14 +144,12 @@ def compare(
     return frame
 
 
-def _both(
-    evaluator: Evaluator, label: str, progress: ComparisonProgress
+def _telling(
+    progress: ComparisonProgress, label: str, own: Callable[[int, int | None], None] | None
 ) -> Callable[[int, int | None], None]:
-    """Report to the comparison's hook and to the evaluator's own."""
-
-    def report(n_evals: int, expected: int | None) -> None:
+    def tell(n_evals: int, expected: int | None) -> None:
         progress(label, n_evals, expected)
-        if evaluator.progress is not None:
-            evaluator.progress(n_evals, expected)
+        if own is not None:
+            own(n_evals, expected)
 
-    return report
+    return tell
