@@ -149,10 +149,8 @@ def pair_figures(
             more = options(run, pair, sync)
             rows = run.rows(f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check", **chosen)
             rows["problem"] = rows["problem"].replace(names)
-            figure = plots.reliability_panels(rows, check="simulation", **look, **more)
-            figure.axes[1].set_ylim(bottom=1e-6)
             page.figure(
-                figure,
+                plots.reliability_panels(rows, check="simulation", **look, **more),
                 f"Fig. {number}({letter}): conditions {pair[0]} and {pair[1]}, {words}",
                 PAIRED if "paired" in more else "",
                 name=f"fig-{number}{letter}",

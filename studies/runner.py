@@ -1,11 +1,7 @@
 """The runner of a study.
 
 A study is a script with two functions: `tables(run)` answers its question and keeps every table,
-`page(run)` shows them. `main` gives it these options:
-
-    --quick      the reduced form, into .quick/<name> beside the study's own folder
-    --redraw     run nothing: write figures and report anew from the tables that are there
-    --check      compare the reduced form with the tables that are there, and write nothing
+`page(run)` shows them. `main` gives it its options, see `OPTIONS`.
 
 Values of models are kept in `studies/.cache/evaluations.db`: a second run takes seconds where the
 model is what takes long, and an interrupted one goes on where it stopped.
@@ -30,7 +26,6 @@ from uqfold.writing import write_text
 STORE = Path(__file__).resolve().parent / ".cache" / "evaluations.db"
 FORMULAS = ("series", "four-bar")
 """Problems whose model is faster than the disk: nothing of them is kept."""
-SCHEMA = "uqfold-study-results/2"
 NUMBERS_BY = ("uqfold.comparison.run", "uqfold.analysis")
 """What makes the numbers of a study; all that it imports counts too."""
 LEFT_OUT = [
@@ -41,11 +36,45 @@ LEFT_OUT = [
 DIGITS = 10
 """Significant digits of numbers in tables."""
 
+TEXTS = (
+    "problem", "label", "missions", "message", "unit", "response_unit", "reference_how",
+    "reference_command", "verified_by", "value_meets", "safe_meets", "agrees",
+)  # fmt: skip
+"""Columns of texts that may all be empty, or look like numbers."""
+KEYS = (
+    "problem", "label", "other", "parameter", "input", "moment", "order", "units", "relative",
+    "synchronized", "decade", "threshold", "tau", "missions", "target_pf", "step",
+    "theta_1_initial", "x_lock",
+)  # fmt: skip
+"""Columns that tell the rows of a table apart, besides budget and seed."""
+SAMPLE = ("seed", "n_evals", "runs", "sampled_responses", "draws", "repeats", "verified_n_evals")
+"""Columns whose values say together whether two rows come from the same sample."""
+ERROR_OF = {
+    "per_std": "per_std_error", "elasticity": "elasticity_error", "pf_mean": "pf_std",
+    "sampled_difference": "sampled_std_error", "bias": "rms",
+}  # fmt: skip
+"""Estimates and the columns of their errors."""
+OWNERS = ("derivative", "index", "difference", "value", "pf")
+"""The first of these that a table has is the estimate that ``std_error`` belongs to."""
+SURE = ("reference_pf", "reference_std_error", "pf", "pf_independent", "difference")
+"""Columns that depend on no sample; of a table with ``std_error`` only those of references."""
+MAGNIFIED = ("error", "efficiency", "seconds")
+"""Columns that nobody compares: they magnify rounding, or are never the same."""
+STANDARD_ERRORS = 5.0
+"""Joint standard errors by which estimates from two samples may differ."""
+ADAPTIVE = ("active-kriging",)
+"""Methods that choose their own runs: their rows always count as another sample."""
+OPTIONS = {
+    "quick": "run the reduced form, into .quick beside the studies",
+    "redraw": "run nothing: write figures and report anew from the tables that are there",
+    "check": "compare the reduced form with the tables that are there, and write nothing",
+}
+
 Tables = Callable[["Run"], None]
 
 
 class Run:
-    """One run of a study.
+    """One run of a study: its name, whether it is the reduced form, and its tables.
 
     Parameters
     ----------
@@ -57,11 +86,6 @@ class Run:
         Folder to write to, or None.
     store
         File in which values of models are kept, or None.
-
-    Attributes
-    ----------
-    tables
-        Name -> table of what has been kept so far.
     """
 
     def __init__(
@@ -90,19 +114,18 @@ class Run:
         rows, inputs = [], []
         for name, problem in problems.items():
             known, own = problem.references, problem.inputs
-            rows.append({
-                "problem": name, "response": problem.response,
-                "response_unit": problem.response_unit, "units": problem.n_units,
-                "reference_how": known.how if known else "",
-                "reference_command": known.command if known else "",
-            })  # fmt: skip
+            how, command = (known.how, known.command) if known else ("", "")
+            rows.append((name, problem.response, problem.response_unit, problem.n_units, how,
+                         command))  # fmt: skip
             individual = len(own.names) - own.n_shared
             inputs.append(pd.DataFrame({
                 "problem": name, "input": own.names, "unit": problem.input_units,
                 "role": ["shared"] * own.n_shared + ["individual"] * individual,
                 "distribution": own.families, "mean": own.means, "std": own.standard_deviations,
             }))  # fmt: skip
-        self.keep("problems", pd.DataFrame(rows))
+        columns = ["problem", "response", "response_unit", "units"]
+        columns += ["reference_how", "reference_command"]
+        self.keep("problems", pd.DataFrame(rows, columns=columns))
         self.keep("inputs", pd.concat(inputs, ignore_index=True))
 
     def answers(
@@ -152,8 +175,8 @@ class Run:
         frame = pd.concat([self.tables[name] for name in names], ignore_index=True)
         for column, wanted in where.items():
             values = wanted if isinstance(wanted, list) else [wanted]
-            chosen = frame[column].isin([value for value in values if value is not None])
-            frame = frame[chosen | (frame[column].isna() & (None in values))]
+            own = frame[column].astype(object)
+            frame = frame[own.where(own.notna(), None).isin(values)]
         frame = frame.reset_index(drop=True)
         if "problems" in self.tables:
             header = self.tables["problems"].iloc[0]
@@ -165,20 +188,14 @@ class Run:
         command = f"python studies/{self.name}/study.py{' --quick' if self.quick else ''}"
         made = provenance.made_by(*NUMBERS_BY, command=command)
         seconds = round(time.perf_counter() - self._began)
-        self.record = {
-            "schema": SCHEMA, "quick": self.quick, **made, "seconds": seconds,
-            "tables": [*self.tables],
-        }  # fmt: skip
+        self.record = {"quick": self.quick, **made, "seconds": seconds, "tables": [*self.tables]}
         if self.out is not None:
             text = json.dumps(self.record, indent=1, ensure_ascii=False) + "\n"
             write_text(self.out / "results" / "record.json", text)
 
 
 def main(
-    study: str,
-    tables: Tables,
-    page: Callable[[Run], Page],
-    tolerance: tuple[float, float],
+    study: str, tables: Tables, page: Callable[[Run], Page], tolerance: tuple[float, float]
 ) -> None:
     """Run a study as its command line asks.
 
@@ -194,11 +211,7 @@ def main(
     folder = Path(study).resolve().parent
     parser = argparse.ArgumentParser(description=f"Run the study {folder.name}.")
     asked = parser.add_mutually_exclusive_group()
-    for name, words in (
-        ("quick", "run the reduced form"),
-        ("redraw", "run nothing, draw anew from the tables"),
-        ("check", "compare the reduced form with the tables"),
-    ):
+    for name, words in OPTIONS.items():
         asked.add_argument(f"--{name}", action="store_true", help=words)
     options = parser.parse_args()
     if options.check:
@@ -207,11 +220,8 @@ def main(
         print(*(f"  {one}" for one in found[:10]), sep="\n")
         sys.exit(1 if found else 0)
     out = folder.parent / ".quick" / folder.name if options.quick else folder
-    if options.redraw:
-        run = read_run(folder)
-        run.out = out
-    else:
-        run = Run(folder.name, options.quick, out, STORE)
+    run = read_run(folder) if options.redraw else Run(folder.name, options.quick, out, STORE)
+    if not options.redraw:
         tables(run)
         run.write_record()
     with plots.figure_settings():
@@ -219,29 +229,16 @@ def main(
     print(f"{folder.name}: {len(run.tables)} tables and report.md in {out}")
 
 
-TEXTS = (
-    "problem", "label", "missions", "message", "unit", "response_unit", "reference_how",
-    "reference_command", "verified_by", "value_meets", "safe_meets", "agrees",
-)  # fmt: skip
-"""Columns of texts that may all be empty, or look like numbers."""
-
-
 def read_run(folder: Path) -> Run:
     """Read the tables and the record of a study that has been run."""
     run, results = Run(folder.name), folder / "results"
     run.record = json.loads((results / "record.json").read_text(encoding="utf-8"))
-    # the first scripts stated none
-    schema = run.record.get("schema", SCHEMA)
-    if schema != SCHEMA:
-        raise ValueError(
-            f"{results}: the tables are of schema {schema!r}, not {SCHEMA!r}: run the study again"
-        )
     run.quick = run.record["quick"]
     for name in run.record["tables"]:
-        texts = dict.fromkeys(TEXTS, str)
         frame = pd.read_csv(
-            results / f"{name}.csv", dtype=texts, na_values=[""], keep_default_na=False
-        )
+            results / f"{name}.csv", dtype=dict.fromkeys(TEXTS, str), na_values=[""],
+            keep_default_na=False,
+        )  # fmt: skip
         run.tables[name] = frame.fillna({column: "" for column in TEXTS if column in frame})
     return run
 
@@ -258,24 +255,19 @@ def new_page(run: Run, text: str) -> Page:
 
 def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]) -> Page:
     """Add what every page ends with: references, what methods say, and what made the tables."""
-    if "problems" in run.tables:
-        known = run.tables["problems"].query("reference_how != ''")
-        if not known.empty:
-            page.section("References")
-        for how, rows in known.groupby("reference_how", sort=False):
-            names = ", ".join(f"`{name}`" for name in rows["problem"])
-            page.text(f"{names}: {how} Made by `{rows['reference_command'].iloc[0]}`.")
+    problems = run.tables.get("problems", pd.DataFrame({"reference_how": []}))
+    for how, rows in problems.query("reference_how != ''").groupby("reference_how", sort=False):
+        page.section("References")
+        names = ", ".join(f"`{name}`" for name in rows["problem"])
+        page.text(f"{names}: {how} Made by `{rows['reference_command'].iloc[0]}`.")
     said = [frame for frame in run.tables.values() if {"method", "message"} <= {*frame}]
     if said:
         page.section("What the methods say of their own answers")
         rows = pd.concat(said, ignore_index=True).query("status != 'converged'")
         rows = rows.replace({"message": {"": "nobody estimated the error of the answer"}})
-        counts = rows.groupby(["label", "status", "message"], sort=False).size()
-        page.table(
-            counts.sort_values(ascending=False, kind="stable").head(12).reset_index(name="rows"),
-            "Answers that are not converged",
-            f"{len(counts)} different messages in all." if len(counts) > 12 else "",
-        )
+        counts = rows.value_counts(["label", "status", "message"]).reset_index(name="rows")
+        more = f"{len(counts)} different messages in all." if len(counts) > 12 else ""
+        page.table(counts.head(12), "Answers that are not converged", more)
     page.section("How it was made")
     made = run.record
     versions = ", ".join(f"{name} {one}" for name, one in made["versions"].items())
@@ -284,30 +276,6 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
     page.text(f"Tables in results/: {sizes}.")
     page.text("\n".join(f"- `{label}`: `{method!r}`" for label, method in methods.items()))
     return page
-
-
-KEYS = (
-    "problem", "label", "other", "parameter", "input", "moment", "order", "units", "relative",
-    "synchronized", "decade", "threshold", "tau", "missions", "target_pf", "step",
-    "theta_1_initial", "x_lock",
-)  # fmt: skip
-"""Columns that tell the rows of a table apart, besides budget and seed."""
-SAMPLE = ("seed", "n_evals", "runs", "sampled_responses", "draws", "repeats", "verified_n_evals")
-"""Columns whose values say together whether two rows come from the same sample."""
-ERROR_OF = {
-    "per_std": "per_std_error", "elasticity": "elasticity_error", "pf_mean": "pf_std",
-    "sampled_difference": "sampled_std_error", "bias": "rms",
-}  # fmt: skip
-"""Estimates and the columns of their errors."""
-OWNERS = ("derivative", "index", "difference", "value", "pf")
-"""The first of these that a table has is the estimate that ``std_error`` belongs to."""
-SURE = ("reference_pf", "reference_std_error", "pf", "pf_independent", "difference")
-"""Columns that depend on no sample, unless the table has an error of them."""
-MAGNIFIED = ("error", "efficiency", "seconds")
-"""Columns that nobody compares: they magnify rounding, or are never the same."""
-STANDARD_ERRORS = 5.0
-ADAPTIVE = ("active-kriging",)
-"""Methods that choose their own runs: their rows always count as another sample."""
 
 
 def differences(
@@ -332,22 +300,20 @@ def compared(
     another one in their joint standard errors: methods that choose their own evaluations take
     another sample wherever sums round differently.
     """
-    keys = [name for name in KEYS if name in fresh]
+    keys, sample = ([name for name in names if name in fresh] for names in (KEYS, SAMPLE))
     exact = [*keys, *(name for name in ("max_evals", "seed") if name in fresh)]
-    sample = [name for name in SAMPLE if name in fresh]
-    rows = committed.to_dict("records")
-    alike = {_values(row, keys): row for row in rows}
-    known = {_values(row, exact): row for row in rows}
+    known = {}
+    for row in committed.to_dict("records"):
+        known[_values(row, keys)] = known[_values(row, exact)] = row
+    numbers = fresh.select_dtypes("float").columns.difference([*exact, *sample, *MAGNIFIED])
     errors = {name: error for name, error in ERROR_OF.items() if name in fresh}
     sure = [name for name in SURE if name in fresh]
     if "std_error" in fresh:
-        owner = next(name for name in OWNERS if name in fresh)
-        errors[owner] = "std_error"
-        sure = [name for name in sure if name not in (owner, "pf")]
-    numbers = fresh.select_dtypes("float").columns.difference([*exact, *sample, *MAGNIFIED])
+        errors[next(name for name in OWNERS if name in fresh)] = "std_error"
+        sure = [name for name in sure if name.startswith("reference")]
     for row in fresh.to_dict("records"):
         where = ", ".join(f"{name} = {row[name]}" for name in exact)
-        partner = known.get(_values(row, exact)) or alike.get(_values(row, keys))
+        partner = known.get(_values(row, exact)) or known.get(_values(row, keys))
         if partner is None:
             yield f"{where}: not among the committed rows"
             continue
