@@ -16,7 +16,14 @@ from uqfold.evaluation import Evaluator, deadline
 from uqfold.methods import ActiveKriging, Kriging, ReliabilityResult
 from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
-from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
+from uqfold.methods.active_stopping import (
+    Check,
+    Outlying,
+    Stability,
+    control_points,
+    outlying_points,
+    unvisited,
+)
 from uqfold.methods.active_view import View
 from uqfold.problems import Problem, four_bar, four_branch, series
 from uqfold.problems.criterion import Criterion, criteria
@@ -76,7 +83,10 @@ def test_converged_means_checked_by_runs_outside_the_training_set() -> None:
             inside = [tuple(u) in trained for u in check.u]
             # the runs of a failed check have joined the training set, those of a passed one not
             assert all(inside) != check.passed
+        # those further out agree here, and join it never
+        assert not any(check.outlying.against(np.zeros(1)).any() for check in details.checks)
         kept_out = sum(len(check.u) for check in details.checks if check.passed)
+        kept_out += sum(len(check.outlying.u) for check in details.checks)
         assert result.n_evals == len(trained) + kept_out
         assert details.history_runs[-1] == len(trained)
         assert details.history_beta.shape == details.history_std.shape
@@ -277,19 +287,55 @@ def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
     assert u.shape == (9, 2)
     mean, std = view.process.mean_and_std(u)
     stated = np.hypot(std, view.process.noise_std)
-    assert Check.of(view, u, mean + stated, 1e-9).passed
+    nothing_further = Outlying.of(view, u[:0], mean[:0])
+    assert Check.of(view, u, mean + stated, 1e-9, nothing_further).passed
     # one run out of nine four standard deviations away
     wrong = mean.copy()
     wrong[3] += 4.0 * stated[3]
-    assert not Check.of(view, u, wrong, 1e-9).passed
+    assert not Check.of(view, u, wrong, 1e-9, nothing_further).passed
     # all of them 2.5 away
-    assert not Check.of(view, u, mean + 2.5 * stated, 1e-9).passed
+    assert not Check.of(view, u, mean + 2.5 * stated, 1e-9, nothing_further).passed
     # but not if that moves no answer by more than the tolerance
-    assert Check.of(view, u, mean + 2.5 * stated, 1e3).passed
-    assert Check.of(view, u, mean + 2.5 * stated, 1e3).overconfidence == pytest.approx(2.5)
-    nothing = Check.of(view, u, np.full(9, np.nan), 1e3)
+    assert Check.of(view, u, mean + 2.5 * stated, 1e3, nothing_further).passed
+    assert Check.of(
+        view, u, mean + 2.5 * stated, 1e3, nothing_further
+    ).overconfidence == pytest.approx(2.5)
+    nothing = Check.of(view, u, np.full(9, np.nan), 1e3, nothing_further)
     assert not nothing.passed
     assert nothing.overconfidence == 1.0
+
+
+def test_a_check_fails_where_a_run_further_out_lies_on_the_other_side() -> None:
+    """What the surface is sure of beyond the thresholds, not by how much it is off there."""
+    view = View.of(process(), QUESTION, np.random.default_rng(4))
+    u = outlying_points(view, 5)
+    mean, std = view.process.mean_and_std(u)
+    smallest = float(np.linalg.norm(u, axis=1).min())
+    assert stats.norm.sf(smallest) < 1.01e-3 * view.pf.min()
+    sure = int(np.argmax(np.abs(mean - 2.5) / std))
+    for value, contradicts in ((2.5 + 100.0 * (mean[sure] - 2.5), False), (math.nan, True)):
+        y = mean.copy()
+        y[sure] = value
+        outlying = Outlying.of(view, u, y)
+        assert outlying.against(np.array([2.5])).any() == contradicts
+        agreeing = view.process.u[:2], view.process.y[:2]
+        assert Check.of(view, *agreeing, 1e-9, outlying).passed != contradicts
+    y[sure] = 2.5 - 1e-9 * (mean[sure] - 2.5)
+    assert Outlying.of(view, u, y).against(np.array([2.5]))[sure]
+
+
+@pytest.mark.parametrize("beyond", [6.0, math.inf])
+def test_a_step_that_no_other_run_comes_to_is_found_and_doubted(beyond: float) -> None:
+    """8 % of pf lie beyond a step of an input that does nothing else."""
+
+    def response(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 0] > 3.5, beyond, 0.0) + x[:, 1:].sum(axis=1)
+
+    problem = Problem(response, individual=[stats.norm()] * 4)
+    row = ActiveKriging().estimate(problem, criteria(5.0), rng=0)[0]
+    assert (row.status, math.isnan(row.std_error)) == ("doubtful", True)
+    assert "runs further out lie on the other side of the threshold" in row.message
+    assert row.n_evals < 80
 
 
 def test_control_points_lie_near_the_limits_and_where_nobody_was() -> None:

@@ -20,7 +20,14 @@ import numpy as np
 from uqfold.checks import choice, keep, or_none, real, refused, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.active_question import Question
-from uqfold.methods.active_stopping import Check, Stability, control_points, unvisited
+from uqfold.methods.active_stopping import (
+    Check,
+    Outlying,
+    Stability,
+    control_points,
+    outlying_points,
+    unvisited,
+)
 from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
@@ -59,6 +66,8 @@ _FAR = 4.0
 _LITTLE = 0.1
 # Steps of learning in which grown runs are spent at most, about.
 _STEPS_TO_DOUBLE = 12
+# Share of the runs with which the first check looks further out.
+_OUTLYING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +123,10 @@ class ActiveKriging(SequentialMethod):
 
     It is ``converged`` only if no reliability index has moved by more than `tolerance` over two
     steps, none is stated to be less certain than that, and `controls` runs kept out of the
-    training set agree with the surface. Otherwise it learns on, until `runs` are spent.
+    training set agree with the surface. Otherwise it learns on, until `runs` are spent. The first
+    check also looks further out, with at most a tenth of the runs: beyond the most important point
+    and on both sides along each input. A threshold that is crossed there where the surface was sure
+    of the other side makes its rows ``doubtful``. A region that no run enters stays unknown.
 
     Attributes
     ----------
@@ -145,7 +157,7 @@ class ActiveKriging(SequentialMethod):
         Change of a reliability index -Phi^-1(pf) that does not matter: 0.005 is 1.3 % of pf at
         1e-2 and 2.5 % at 1e-6.
     controls
-        Runs of each check.
+        Runs of each check near the answers.
     target_cov
         Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
         a row that states more is ``doubtful``.
@@ -217,7 +229,7 @@ class ActiveKriging(SequentialMethod):
         fits = KernelFits(kernels, self.noise)
         stability, checks, stopped = Stability(self.tolerance), list[Check](), ""
         new, met = np.empty((0, inputs.dimension)), np.empty(0)
-        batch, unchecked = self.batch, 0
+        batch, unchecked, aside = self.batch, 0, 0
         while True:
             known = DesignRuns(u, y, y.size)
             if not known.fittable:
@@ -239,12 +251,15 @@ class ActiveKriging(SequentialMethod):
                 return self._answered(task, runs, stability, checks, (new, met), stopped, rng)[0]
             if task.session.watched:
                 task.session.report(view.running())
-            left = total - y.size
-            check_now = stability.reached and left >= self.controls and y.size >= unchecked
+            left = total - y.size - aside
+            outliers = 0 if checks else min(2 * inputs.dimension + 1, int(_OUTLYING * total))
+            affordable = left >= self.controls + outliers
+            check_now = stability.reached and affordable and y.size >= unchecked
             if left > 0:
                 try:
                     if check_now:
-                        new = control_points(view, self.controls, rng)
+                        near = control_points(view, self.controls, rng)
+                        new = np.concatenate([near, outlying_points(view, outliers)])
                     else:
                         new = self._next(view, runs, min(batch, left), rng)
                     met = yield inputs.from_standard_normal(new)
@@ -252,13 +267,19 @@ class ActiveKriging(SequentialMethod):
                     last = new, error.responses
                     return self._answered(task, runs, stability, checks, last, str(error), rng)[0]
             if check_now:
-                checks.append(Check.of(view, new, met, self.tolerance))
+                k = self.controls
+                further = Outlying.of(view, new[k:], met[k:])
+                checks.append(Check.of(view, new[:k], met[:k], self.tolerance, further))
+                # those further out that agree would teach nothing of what is near
+                agree = k + np.flatnonzero(~further.against(view.question.levels))
+                aside += agree.size
+                new, met = np.delete(new, agree, axis=0), np.delete(met, agree)
             if left == 0 or (check_now and checks[-1].passed):
                 why = stability.unfinished(checks) if left == 0 else ""
                 found, shortfall = self._answered(
                     task, runs, stability, checks, (new, met), why, rng
                 )
-                more = growth.next_size(y.size + met.size, shortfall)
+                more = growth.next_size(y.size + met.size + aside, shortfall)
                 if more is None:
                     return found
                 more = max(more, total)
@@ -305,7 +326,7 @@ class ActiveKriging(SequentialMethod):
             stated_noise=self.noise,
         )  # fmt: skip
         estimates = [
-            _qualified(estimate, why, _doubts(criterion, surface))
+            _qualified(estimate, why, _doubts(criterion, surface, checks))
             for criterion, estimate in zip(task.criteria, found.estimates, strict=True)
         ]
         details = ActiveKrigingDetails.of(surface, stability, checks, found.errors)
@@ -353,9 +374,17 @@ def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> li
     return [replace(rival, share=min(rival.share, own / others if others > own else 1.0))]
 
 
-def _doubts(criterion: Criterion, surface: GaussianProcess) -> list[str]:
+def _doubts(criterion: Criterion, surface: GaussianProcess, checks: Sequence[Check]) -> list[str]:
     """Why an answer should not be believed although the surface has passed its check."""
     doubts = []
+    level = np.array([criterion.threshold])
+    against = sum(int(check.outlying.against(level).sum()) for check in checks)
+    if against:
+        doubts.append(
+            f"{against} of {sum(check.outlying.y.size for check in checks)} runs further out lie "
+            "on the other side of the threshold than the surface was sure of: where that begins "
+            "no run tells"
+        )
     wrong = _on_the_wrong_side(criterion.threshold, surface)
     if wrong:
         doubts.append(

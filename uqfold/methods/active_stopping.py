@@ -16,7 +16,7 @@ import numpy as np
 
 from uqfold.methods.active_view import View
 from uqfold.surrogates.importance_cloud import WideProposal, resampled
-from uqfold.typing import FloatArray
+from uqfold.typing import BoolArray, FloatArray
 
 # Steps of learning over which answers have to stay the same.
 _STEPS = 2
@@ -26,6 +26,9 @@ _FARTHEST_Z, _LARGEST_RMS = 3.0, 2.0
 # Regions whose probability could reach this share of pf are worth looking into.
 _SHARE = 0.02
 _LOOKED_AT = 512
+# A half-space beyond the outlying runs holds at most this share of the smallest pf. They contradict
+# a surface that had put them on the other side of a threshold by so many standard deviations.
+_BEYOND, _SURE_Z = 1e-3, 2.0
 
 
 @dataclass
@@ -68,6 +71,41 @@ class Stability:
 
 
 @dataclass(frozen=True, eq=False)
+class Outlying:
+    """Evaluations further out than the answers reach, against what the surrogate had foretold.
+
+    Attributes
+    ----------
+    u, y
+        Where they were made (m, d), in standard-normal space, and the responses (m,).
+    mean, std
+        What the surrogate had foretold, and its standard deviation (m,), noise included.
+    """
+
+    u: FloatArray
+    y: FloatArray
+    mean: FloatArray
+    std: FloatArray
+
+    @classmethod
+    def of(cls, view: View, u: FloatArray, y: FloatArray) -> Outlying:
+        """Keep responses y (m,) at u (m, d) beside the surrogate of a view."""
+        mean, std = view.process.mean_and_std(u)
+        return cls(u, y, mean, np.hypot(std, view.process.noise_std))
+
+    def against(self, levels: FloatArray) -> BoolArray:
+        """Which runs (m,) lie where the surrogate was sure that they do not.
+
+        That is on the other side of one of the thresholds (L,); how far beyond it does not matter
+        to pf. Failed runs lie nowhere.
+        """
+        above = self.mean[:, None] - levels
+        wrong = (above > 0.0) != (self.y[:, None] > levels)
+        sure = np.abs(above) > _SURE_Z * self.std[:, None]
+        return np.asarray((wrong & sure).any(axis=1) | np.isnan(self.y))
+
+
+@dataclass(frozen=True, eq=False)
 class Check:
     """Evaluations kept out of the training set, against what the surrogate had foretold.
 
@@ -80,16 +118,27 @@ class Check:
     std
         Standard deviation (m,) that the surrogate states for it, noise included.
     passed
-        Whether the surrogate's own error explains the residuals, or they are too small to matter.
+        Whether the surrogate's own error explains the residuals, or they are too small to matter,
+        and nothing further out speaks against it.
+    outlying
+        Runs further out, which the first check makes.
     """
 
     u: FloatArray
     residuals: FloatArray
     std: FloatArray
     passed: bool
+    outlying: Outlying
 
     @classmethod
-    def of(cls, view: View, u: FloatArray, y: FloatArray, tolerance: float) -> Check:
+    def of(
+        cls,
+        view: View,
+        u: FloatArray,
+        y: FloatArray,
+        tolerance: float,
+        outlying: Outlying,
+    ) -> Check:
         """Compare responses y (m,) at u (m, d) with the surrogate of a view.
 
         Parameters
@@ -100,17 +149,21 @@ class Check:
             The runs.
         tolerance
             Change of a reliability index that does not matter.
+        outlying
+            Runs further out, none of them after the first check.
         """
         mean, std = view.process.mean_and_std(u)
         std = np.hypot(std, view.process.noise_std)
         finite = np.isfinite(y)
         residuals = np.where(finite, y - mean, np.nan)
         if not finite.any():
-            return cls(u, residuals, std, passed=False)
+            return cls(u, residuals, std, False, outlying)
         z = np.abs(residuals / std)[finite]
         matters = np.abs(residuals[finite]) * view.shift.max() > tolerance
         explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
-        return cls(u, residuals, std, bool(explained or not matters.any()))
+        agreed = not outlying.against(view.question.levels).any()
+        passed = bool(explained or not matters.any()) and agreed
+        return cls(u, residuals, std, passed, outlying)
 
     @property
     def overconfidence(self) -> float:
@@ -134,16 +187,29 @@ def control_points(view: View, count: int, rng: np.random.Generator) -> FloatArr
     return np.concatenate([near, unvisited(view, known, count - near.shape[0], rng)])
 
 
+def outlying_points(view: View, most: int) -> FloatArray:
+    """Choose points (at most `most`, d) further out than the answers reach, for a check.
+
+    One lies outwards of the most important point, the others on both sides along each input, in
+    the order of their distance from all runs: steps, ends of a range and what breaks down mostly
+    begin at a value of one input, which other runs need never come to.
+    """
+    d = view.question.dimension
+    length = _radius(view, _BEYOND)
+    axes = length * np.concatenate([np.eye(d), -np.eye(d)])
+    centre = view.u[int(np.argmax(view.importance))]
+    onwards = centre * max(1.2, length / max(float(np.linalg.norm(centre)), 1e-3))
+    distance = ((axes[:, None, :] - view.process.u[None, :, :]) ** 2).sum(axis=2).min(axis=1)
+    return np.concatenate([onwards[None, :], axes[np.argsort(-distance, kind="stable")]])[:most]
+
+
 def unvisited(view: View, known: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
     """Choose points (count, d) far from all known ones, but not further out than matters.
 
     A failure region beyond the radius in use holds less than two percent of the smallest pf.
     """
-    from scipy.special import ndtri
-
     d = view.question.dimension
-    smallest = max(float(np.minimum(view.pf, 1.0 - view.pf).min()), 1e-9)
-    reach = float(-ndtri(_SHARE * smallest))
+    reach = _radius(view, _SHARE)
     wide = WideProposal(d).draw(np.clip(rng.random((_LOOKED_AT, d + 1)), 1e-12, 1.0 - 1e-12))
     length = np.sqrt((wide**2).sum(axis=1))
     wide *= np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None]
@@ -153,6 +219,14 @@ def unvisited(view: View, known: FloatArray, count: int, rng: np.random.Generato
         distance = ((wide[:, None, :] - others[None, :, :]) ** 2).sum(axis=2).min(axis=1)
         chosen = np.concatenate([chosen, wide[[int(np.argmax(distance))]]])
     return chosen
+
+
+def _radius(view: View, share: float) -> float:
+    """Distance beyond which a half-space holds less than a share of the smallest pf."""
+    from scipy.special import ndtri
+
+    smallest = max(float(np.minimum(view.pf, 1.0 - view.pf).min()), 1e-9)
+    return float(-ndtri(share * smallest))
 
 
 def _rms(z: FloatArray) -> float:
