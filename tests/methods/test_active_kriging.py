@@ -29,6 +29,7 @@ from uqfold.problems import Problem, four_bar, four_branch, series
 from uqfold.problems.criterion import Criterion, criteria
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.surrogates.learning import LearningFunction
+from uqfold.system.structure import SystemUnits
 from uqfold.testing import LinearNormalSystem
 from uqfold.testing.conduct import same_numbers
 from uqfold.typing import FloatArray
@@ -254,7 +255,9 @@ def process(size: int = 30) -> GaussianProcess:
     return fit_gaussian_process(u, plane(u), trend=1)
 
 
-QUESTION = Question(2, 0, 1, (Criterion(2.5), Criterion(4.0)), np.tile(np.arange(2), (2, 1)))
+QUESTION = Question(
+    2, 0, SystemUnits(1), (Criterion(2.5), Criterion(4.0)), np.tile(np.arange(2), (2, 1))
+)
 
 
 def test_view_states_index_error_and_shift() -> None:
