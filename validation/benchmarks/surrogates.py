@@ -13,14 +13,16 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
 import openturns as ot
 import pandas as pd
 
 import uqfold
-from uqfold.inputs import product_inputs
+from uqfold.inputs import JointInputs, product_inputs
 from uqfold.inputs.polynomials import own_polynomials
 from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.gaussian_process import fit_gaussian_process
@@ -28,6 +30,7 @@ from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.typing import FloatArray
 
 Function = Callable[[FloatArray], FloatArray]
+Fit = Callable[[FloatArray, FloatArray], Function]
 NEW, SEEDS = 1000, 3
 
 
@@ -39,15 +42,6 @@ def smooth(u: FloatArray) -> FloatArray:
 def rough(u: FloatArray) -> FloatArray:
     """Return a response with a kink and a small ripple."""
     return smooth(u) + 0.5 * np.abs(u[:, 0] - 0.3) + 0.02 * np.sin(9.0 * u[:, -1])
-
-
-def wing() -> tuple[Function, int]:
-    """Return the deployment time of the folding wing, and the number of its inputs."""
-    problem = uqfold.problems.folding_wing()
-    return (
-        lambda u: problem.model(problem.inputs.from_standard_normal(u)),
-        problem.inputs.dimension,
-    )
 
 
 def ours_process(u: FloatArray, y: FloatArray) -> Function:
@@ -67,9 +61,8 @@ def of_sklearn(u: FloatArray, y: FloatArray) -> Function:
 
     scales = RBF(np.full(u.shape[1], 3.0), (0.1, 1e3))
     kernel = ConstantKernel(1.0, (1e-3, 1e5)) * scales + WhiteKernel(1e-4, (1e-10, 1.0))
-    return (
-        GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=2).fit(u, y).predict
-    )
+    process = GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=2)
+    return process.fit(u, y).predict
 
 
 def of_openturns(u: FloatArray, y: FloatArray) -> Function:
@@ -80,10 +73,28 @@ def of_openturns(u: FloatArray, y: FloatArray) -> Function:
         ot.LinearBasisFactory(d).build(),
     )  # fmt: skip
     fitter.run()
-    regression = ot.GaussianProcessRegression(fitter.getResult())
-    regression.run()
-    meta = regression.getResult().getMetaModel()
-    return lambda new: np.array(meta(ot.Sample(new))).ravel()
+    return ran(ot.GaussianProcessRegression(fitter.getResult()))
+
+
+def expansion_of_openturns(u: FloatArray, y: FloatArray) -> Function:
+    """Fit OpenTURNS' sparse expansion by least angles."""
+    d = u.shape[1]
+    factory = ot.OrthogonalProductPolynomialFactory([ot.HermiteFactory()] * d)
+    count = factory.getEnumerateFunction().getStrataCumulatedCardinal({2: 8, 5: 4}.get(d, 2))
+    selection = ot.LeastSquaresMetaModelSelectionFactory(ot.LARS(), ot.CorrectedLeaveOneOut())
+    return ran(
+        ot.FunctionalChaosAlgorithm(
+            ot.Sample(u), ot.Sample(y[:, None]), ot.Normal(d),
+            ot.FixedStrategy(factory, count), ot.LeastSquaresStrategy(selection),
+        )
+    )  # fmt: skip
+
+
+def ran(algorithm: Any) -> Function:
+    """Return the surface that an algorithm of OpenTURNS fits."""
+    algorithm.run()
+    surface = algorithm.getResult().getMetaModel()
+    return lambda new: np.array(surface(ot.Sample(new))).ravel()
 
 
 def of_smt(u: FloatArray, y: FloatArray) -> Function:
@@ -96,39 +107,39 @@ def of_smt(u: FloatArray, y: FloatArray) -> Function:
     return lambda new: model.predict_values(new).ravel()
 
 
-def ours_expansion(u: FloatArray, y: FloatArray) -> Function:
-    """Fit an expansion in Hermite polynomials."""
-    return fit_polynomial_chaos(u, y).mean
-
-
-def expansion_of_openturns(u: FloatArray, y: FloatArray) -> Function:
-    """Fit OpenTURNS' sparse expansion by least angles."""
-    d = u.shape[1]
-    factory = ot.OrthogonalProductPolynomialFactory([ot.HermiteFactory()] * d)
-    count = factory.getEnumerateFunction().getStrataCumulatedCardinal({2: 8, 5: 4}.get(d, 2))
-    selection = ot.LeastSquaresMetaModelSelectionFactory(ot.LARS(), ot.CorrectedLeaveOneOut())
-    algorithm = ot.FunctionalChaosAlgorithm(
-        ot.Sample(u), ot.Sample(y[:, None]), ot.Normal(d),
-        ot.FixedStrategy(factory, count), ot.LeastSquaresStrategy(selection),
-    )  # fmt: skip
-    algorithm.run()
-    meta = algorithm.getResult().getMetaModel()
-    return lambda new: np.array(meta(ot.Sample(new))).ravel()
-
-
-SURFACES: dict[str, Callable[[FloatArray, FloatArray], Function]] = {
+SURFACES: dict[str, Fit] = {
     "process: ours": ours_process,
     "process: scikit-learn": of_sklearn,
     "process: OpenTURNS": of_openturns,
     "process: SMT": of_smt,
-    "expansion: ours": ours_expansion,
+    "expansion: ours": lambda u, y: fit_polynomial_chaos(u, y).mean,
     "expansion: OpenTURNS": expansion_of_openturns,
 }
 
 
-def measured(
-    fit: Callable[[FloatArray, FloatArray], Function], function: Function, d: int, size: int
-) -> tuple[float, float]:
+def questions() -> Iterator[tuple[str, Function, int, int, dict[str, Fit]]]:
+    """Yield name, function of standard normals, inputs, runs, and the surfaces to compare."""
+    wing = uqfold.problems.folding_wing()
+    mapped = wing.inputs.from_standard_normal
+    yield "wing", lambda u: wing.model(mapped(u)), wing.inputs.dimension, 100, SURFACES
+    for function in (smooth, rough):
+        for d, size in ((2, 60), (5, 100), (20, 200)):
+            yield function.__name__, function, d, size, SURFACES
+    for law in (ot.Uniform(-1.0, 1.0), ot.Exponential(1.0), ot.Beta(2.0, 3.0, 0.0, 1.0)):
+        inputs = product_inputs(None, {f"x{i}": law for i in range(3)})
+
+        def response(u: FloatArray, inputs: JointInputs = inputs) -> FloatArray:
+            x = inputs.from_standard_normal(u)
+            return np.asarray(1.0 / (4.0 + x[:, 0] + 0.5 * x[:, 1] * x[:, 2]))
+
+        bases: dict[str, Fit] = {
+            f"expansion: {name}": lambda u, y, own=own: fit_polynomial_chaos(u, y, own=own).mean
+            for name, own in (("Hermite", None), ("own", own_polynomials(inputs, 11)))
+        }
+        yield law.getClassName(), response, 3, 100, bases
+
+
+def measured(fit: Fit, function: Function, d: int, size: int) -> tuple[float, float]:
     """Return the error as a share of the responses' spread, and seconds, medians over designs."""
     found = []
     for seed in range(SEEDS):
@@ -143,52 +154,19 @@ def measured(
     return float(error), float(seconds)
 
 
-def two_bases() -> list[dict[str, object]]:
-    """Expansions in Hermite polynomials of the scores and in the inputs' own polynomials."""
-    rows: list[dict[str, object]] = []
-    for law in (ot.Uniform(-1.0, 1.0), ot.Exponential(1.0), ot.Beta(2.0, 3.0, 0.0, 1.0)):
-        inputs = product_inputs(None, {f"x{i}": law for i in range(3)})
-        own = own_polynomials(inputs, 11)
-
-        def response(u: FloatArray, inputs: uqfold.inputs.JointInputs = inputs) -> FloatArray:
-            x = inputs.from_standard_normal(u)
-            return np.asarray(1.0 / (4.0 + x[:, 0] + 0.5 * x[:, 1] * x[:, 2]))
-
-        for name, basis in (("Hermite", None), ("own", own)):
-            error, seconds = measured(
-                lambda u, y, basis=basis: fit_polynomial_chaos(u, y, own=basis).mean,
-                response, 3, 100,
-            )  # fmt: skip
-            rows.append(
-                {"function": law.getClassName(), "inputs": 3, "runs": 100,
-                 "surface": f"expansion: {name}", "error": error, "seconds": seconds}
-            )  # fmt: skip
-    return rows
-
-
 def main() -> None:
     """Print the table."""
     warnings.simplefilter("ignore")
     ot.Log.Show(ot.Log.NONE)
     ot.TBB.SetThreadsNumber(1)
-    functions = [("wing", *wing(), 100)]
-    functions += [
-        (name, function, d, size)
-        for name, function in (("smooth", smooth), ("rough", rough))
-        for d, size in ((2, 60), (5, 100), (20, 200))
-    ]
-    rows: list[dict[str, object]] = []
-    for name, function, d, size in functions:
-        for surface, fit in SURFACES.items():
-            try:
-                error, seconds = measured(fit, function, d, size)
-            except ImportError:
-                continue
-            row = {"function": name, "inputs": d, "runs": size, "surface": surface}
-            rows.append({**row, "error": error, "seconds": seconds})
-    table = pd.DataFrame(rows + two_bases())
-    columns = {"error": "{:.2g}".format, "seconds": "{:.2f}".format}
-    print(table.to_string(index=False, formatters=columns))
+    rows = []
+    for name, function, d, size, surfaces in questions():
+        for surface, fit in surfaces.items():
+            with suppress(ImportError):
+                rows.append((name, d, size, surface, *measured(fit, function, d, size)))
+    columns = ["function", "inputs", "runs", "surface", "error", "seconds"]
+    formats = {"error": "{:.2g}".format, "seconds": "{:.2f}".format}
+    print(pd.DataFrame(rows, columns=columns).to_string(index=False, formatters=formats))
 
 
 if __name__ == "__main__":
