@@ -7,15 +7,11 @@ reference.
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
-from uqfold.methods.monte_carlo import MonteCarlo
-from uqfold.problems import folding_wing
-from uqfold.problems.criterion import Criterion
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.methods.answers import answers, references
 from validation.methods.examples import EXAMPLES
@@ -57,19 +53,8 @@ def compare(example: str, pf: float, nodes: int, *, synchronized: bool) -> dict[
     }
 
 
-def seconds_ratio(runs: int) -> float:
-    """Processor time of Monte Carlo over that of the paper's method on the wing, per model run."""
-    problem, criterion = folding_wing(), Criterion(0.56)
-    spent = []
-    for method, budget in ((FFNISaddlepoint(), 1_125), (MonteCarlo(), runs)):
-        start = time.process_time()
-        n_evals = method.estimate(problem, criterion, max_evals=budget, rng=1).n_evals
-        spent.append((time.process_time() - start) / n_evals)
-    return spent[1] / spent[0]
-
-
 def measure(work: Work) -> Measurement:
-    """Compare at three failure probabilities; the tiers differ in how long speeds are measured."""
+    """Compare at three failure probabilities; the tiers do not differ."""
     examples, nodes = [*EXAMPLES], 5
     if work.fault == "forty nodes":
         # the wing would run for minutes
@@ -88,9 +73,4 @@ def measure(work: Work) -> Measurement:
                 at_least=True)
         for example in examples
     ]  # fmt: skip
-    findings.append(
-        Finding("seconds per run of Monte Carlo over those of the paper's method, wing",
-                seconds_ratio(work.pick(2_000, 10_000, 100_000)),
-                remark="with a model that costs something, runs are what counts")
-    )  # fmt: skip
     return Measurement(findings, [Table.of("Model runs for the same error", rows)])
