@@ -8,19 +8,17 @@ ground. What follows for the system is in `order_statistics.py`.
 
     python validation/references/four_bar.py            writes four_bar.json, four_bar_crossed.json
                                                         into uqfold/problems/references
-    python validation/references/four_bar.py --check    recomputes and compares
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
-from tables import BINOMIAL_PROFILES, Grid, as_text, integration_command
+from tables import BINOMIAL_PROFILES, Grid, as_text, write_all
 
 from uqfold.typing import FloatArray
 
@@ -94,4 +92,4 @@ if __name__ == "__main__":
         "four_bar.json": partial(compute, "open"),
         "four_bar_crossed.json": partial(compute, "crossed"),
     }
-    sys.exit(integration_command(__doc__, files))
+    write_all(files)

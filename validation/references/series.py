@@ -5,17 +5,15 @@ the conditional distribution of Y given X1 and its density are integrals over X2
 follows for the system is in `order_statistics.py`.
 
     python validation/references/series.py            writes uqfold/problems/references/series.json
-    python validation/references/series.py --check    recomputes and compares
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 
 import numpy as np
 from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
-from tables import BINOMIAL_PROFILES, Grid, as_text, integration_command
+from tables import BINOMIAL_PROFILES, Grid, as_text, write_all
 
 from uqfold.typing import FloatArray
 
@@ -65,4 +63,4 @@ def compute() -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(integration_command(__doc__, {"series.json": compute}))
+    write_all({"series.json": compute})

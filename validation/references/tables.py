@@ -1,21 +1,19 @@
-"""What the reference scripts share: what is asked, the file format, the comparison.
+"""What the reference scripts share: what is asked, and the file format.
 
 A reference file is JSON with one row per line, so that a change shows as a readable difference.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from decimal import ROUND_UP, Context
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 from uqfold.problems.criterion import Binomial, Criterion, Missions
-from uqfold.problems.reference import SCHEMA, Reference, ReferenceTable, parse_references
+from uqfold.problems.reference import SCHEMA, Reference, parse_references
 from uqfold.typing import FloatArray
 from uqfold.writing import write_text
 
@@ -88,58 +86,7 @@ def rounded_up(value: float) -> float:
     return float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(float(value))))
 
 
-def mismatches(shipped: ReferenceTable, computed: ReferenceTable) -> list[str]:
-    """Return where two tables of integrated references differ by more than their own bounds."""
-    found = []
-    for criterion in {**shipped.entries, **computed.entries}:
-        old, new = shipped.lookup(criterion), computed.lookup(criterion)
-        if old is None or new is None:
-            found.append(f"{criterion}: only in the {'computed' if old is None else 'shipped'} one")
-        # a NaN must count as a mismatch, hence "not <="
-        elif not abs(old.pf - new.pf) <= old.std_error + new.std_error:
-            found.append(f"{criterion}: shipped {old.pf!r}, computed {new.pf!r}")
-    return found
-
-
-def integration_command(
-    description: str | None,
-    files: Mapping[str, Callable[[], str]],
-    arguments: Sequence[str] | None = None,
-) -> int:
-    """Run the command line of a script that integrates: write its files, or check them.
-
-    Parameters
-    ----------
-    description
-        Docstring of the script.
-    files
-        Name of each shipped file -> the function that computes its text.
-    arguments
-        Command-line arguments; None takes those of the process.
-
-    Returns
-    -------
-    int
-        Exit code: 0, or 1 when `--check` finds a difference.
-    """
-    parser = argparse.ArgumentParser(
-        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument(
-        "--out", type=Path, default=SHIPPED, help="folder of the files (default: the package's)"
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="write nothing: exit 1 if the files differ"
-    )
-    options: Any = parser.parse_args(arguments)
-    different = False
+def write_all(files: Mapping[str, Callable[[], str]]) -> None:
+    """Write shipped files: name -> the function that computes its text."""
     for name, compute in files.items():
-        path, text = options.out / name, compute()
-        if not options.check:
-            write_text(path, text)
-            continue
-        shipped = parse_references(json.loads(path.read_text(encoding="utf-8")))
-        found = mismatches(shipped, parse_references(json.loads(text)))
-        print(f"{path}: {len(found)} rows differ beyond their bounds", *found, sep="\n  ")
-        different = different or bool(found)
-    return int(different)
+        write_text(SHIPPED / name, compute())
