@@ -27,31 +27,20 @@ METHODS = ("ffni-spa", "ffni-pearson")
 def agreement(results: Results, visible: float) -> Iterator[Finding]:
     """Yield the largest difference of R from the reference."""
     for label, rows, named in _compared(results):
-        yield _largest(
-            f"largest difference of R from the reference, {label}",
-            rows.assign(
-                value=(rows["pf"] - rows["reference_pf"]).abs(),
-                resolution=2.0 * rows["reference_std_error"],
-            ),
-            visible,
-            named=named,
-        )
+        difference = (rows["pf"] - rows["reference_pf"]).abs()
+        judged = rows.assign(value=difference, resolution=2.0 * rows["reference_std_error"])
+        what = f"largest difference of R from the reference, {label}"
+        yield _largest(what, judged, visible, named=named)
 
 
 def errors(results: Results, small: float, seen: float) -> Iterator[Finding]:
     """Yield relative errors, where the paper's Monte Carlo could see them, and in the tail."""
     for label, every, named in _compared(results):
-        rows = every.assign(
-            value=every["error"],
-            resolution=2.0 * every["reference_std_error"] / every["reference_pf"],
-        )
+        resolution = 2.0 * every["reference_std_error"] / every["reference_pf"]
+        rows = every.assign(value=every["error"], resolution=resolution)
         in_tail = rows["reference_pf"] < seen
-        yield _largest(
-            f"largest relative error where pf >= {seen:g}, {label}",
-            rows[~in_tail],
-            small,
-            named=named,
-        )
+        what = f"largest relative error where pf >= {seen:g}, {label}"
+        yield _largest(what, rows[~in_tail], small, named=named)
         tail = rows[in_tail & (rows["value"] > rows["resolution"])]
         if not tail.empty:
             worst = tail.loc[tail["value"].idxmax()]

@@ -25,13 +25,8 @@ def overtaking(results: Results, part: str, clear: float) -> Iterator[Finding]:
     """Yield how the smaller deviation starts lower and overtakes."""
     for name, pair in SMALLER.items():
         gain, relative = _curves(results, name, part)
-        trough = gain.min(axis=1)
-        yield Finding(
-            f"lowest relative difference of R, largest over {OVER[part]}, {name}",
-            float(relative.min(axis=1).max()),
-            -clear,
-            remark=f"in R {trough.max():.2g} at least",
-        )
+        what = f"lowest relative difference of R, largest over {OVER[part]}, {name}"
+        yield _trough(what, relative, clear, f"in R {gain.min(axis=1).max():.2g} at least")
         what = f"difference of R at the largest T, smallest over {OVER[part]}, {name}"
         yield positive(what, gain.iloc[:, -1].min())
         signs = np.sign(gain).where(relative.abs() > clear).ffill(axis=1)
@@ -52,19 +47,10 @@ def pattern(results: Results, clear: float, settled: float) -> Iterator[Finding]
     for name in SMALLER:
         gain, relative = _curves(results, name, "no-sync")
         trough, peak = gain.min(axis=1), gain.max(axis=1)
-        yield Finding(
-            f"relative depth of the trough, shallowest over m, {name}",
-            float(relative.min(axis=1).max()),
-            -clear,
-            remark=f"in R {trough.max():.2g} to {trough.min():.2g}",
-        )
-        yield Finding(
-            f"relative height of the peak, lowest over m, {name}",
-            float(relative.max(axis=1).min()),
-            clear,
-            at_least=True,
-            remark=f"in R from {peak.min():.2g}",
-        )
+        what = f"relative depth of the trough, shallowest over m, {name}"
+        yield _trough(what, relative, clear, f"in R {trough.max():.2g} to {trough.min():.2g}")
+        what = f"relative height of the peak, lowest over m, {name}"
+        yield _peak(what, relative, clear, f"in R from {peak.min():.2g}")
         distance = (gain.idxmax(axis=1) - gain.idxmin(axis=1)).min()
         yield positive(f"smallest distance from trough to peak, {name}", distance, unit="s")
         final = float((gain.iloc[:, -1].abs() / peak).max())
@@ -76,16 +62,20 @@ def visible(results: Results, visible: float) -> Iterator[Finding]:
     for part, over in OVER.items():
         for name in SMALLER:
             gain, _ = _curves(results, name, part)
-            trough = gain.min(axis=1)
-            yield Finding(
-                f"shallowest trough over {over}, {name}, {part}",
-                float(trough.max()),
-                -visible,
-                remark=f"deepest {trough.min():.2g}",
-            )
-            lowest = float(gain.max(axis=1).min())
-            what = f"lowest peak over {over}, {name}, {part}"
-            yield Finding(what, lowest, visible, at_least=True)
+            deepest = f"deepest {gain.min(axis=None):.2g}"
+            yield _trough(f"shallowest trough over {over}, {name}, {part}", gain, visible, deepest)
+            yield _peak(f"lowest peak over {over}, {name}, {part}", gain, visible)
+
+
+def _trough(what: str, curves: pd.DataFrame, depth: float, remark: str) -> Finding:
+    """Return the shallowest trough of all curves, which has to have a depth."""
+    return Finding(what, float(curves.min(axis=1).max()), -depth, remark=remark)
+
+
+def _peak(what: str, curves: pd.DataFrame, height: float, remark: str = "") -> Finding:
+    """Return the lowest peak of all curves, which has to have a height."""
+    lowest = float(curves.max(axis=1).min())
+    return Finding(what, lowest, height, at_least=True, remark=remark)
 
 
 def clearance(results: Results, coincide: float) -> Iterator[Finding]:
