@@ -19,6 +19,7 @@ from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.surrogates.curved_directions import without_products
 from uqfold.surrogates.designs import checked_spread
 from uqfold.surrogates.gaussian_process import (
     GaussianProcess,
@@ -28,7 +29,7 @@ from uqfold.surrogates.gaussian_process import (
 from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.system.surface_rule import MAX_POINTS
-from uqfold.typing import IntArray
+from uqfold.typing import FloatArray, IntArray
 
 Trend: TypeAlias = Literal["best", "constant", "linear", "quadratic", "pce"]
 
@@ -177,16 +178,15 @@ class Kriging(SequentialMethod):
         found: list[tuple[float, GaussianProcess]] = []
         try:
             for name in names:
-                picked = name == "pce"
-                trend: int | IntArray
-                trend = fit_polynomial_chaos(u, y).indices if picked else _DEGREES[name]
+                trend, rotation, n_picked = _trend(name, u, y)
                 for kernel in kernels:
                     fit = fit_gaussian_process(
-                        u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2)
-                    )
-                    # terms picked with all responses foretell those left out better than new
+                        u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2),
+                        rotation=rotation,
+                    )  # fmt: skip
+                    # what is picked with all responses foretells those left out better than new
                     # ones: each counts as one parameter fitted, as in Akaike's criterion
-                    optimism = fit.trend.shape[0] / y.size if picked else 0.0
+                    optimism = n_picked / y.size
                     found.append((fit.leave_one_out().log_density - optimism, fit))
         except TimeLimitError as error:
             if not found:
@@ -194,3 +194,16 @@ class Kriging(SequentialMethod):
             stopped = f"{len(found)} of {planned} surfaces fitted; {error}"
         found.sort(key=lambda pair: pair[0], reverse=True)
         return [fit for _, fit in found], stopped
+
+
+def _trend(
+    name: Trend, u: FloatArray, y: FloatArray
+) -> tuple[int | IntArray, FloatArray | None, int]:
+    """Degree or polynomials of a trend, the directions they have, and how much was picked."""
+    if name != "pce":
+        return _DEGREES[name], None, 0
+    expansion = fit_polynomial_chaos(u, y, directions=True)
+    n_picked = expansion.indices.shape[0]
+    if expansion.rotation is None:
+        return expansion.indices, None, n_picked
+    return without_products(expansion.indices), expansion.rotation, n_picked

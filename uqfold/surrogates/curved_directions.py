@@ -98,6 +98,17 @@ def curved_directions(u: FloatArray, y: FloatArray) -> CurvedDirections | None:
     return found
 
 
+def without_products(indices: IntArray) -> IntArray:
+    """Of the multi-indices (P, d) of a fit, those (Q, d) that do not mix curved with other inputs.
+
+    The products are not there when the directions are right.
+    """
+    degree = indices.sum(axis=1)
+    curved = indices[(degree > 1) & ((indices > 0).sum(axis=1) == 1)].any(axis=0)
+    kept = (degree < 2) | (indices[:, ~curved] == 0).all(axis=1)
+    return np.asarray(indices[kept])
+
+
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """Least squares in rotated coordinates, `count` of which are curved."""

@@ -65,6 +65,9 @@ class GaussianProcess:
         Multi-indices (p, d) of the Hermite polynomials that form the trend.
     hyperparameters
         Length scales (in standard deviations), process and noise variance.
+    rotation
+        Directions in columns (d, d) along which the variables of trend and process are measured;
+        None: the inputs themselves.
     """
 
     u: FloatArray
@@ -72,6 +75,7 @@ class GaussianProcess:
     kernel: Kernel
     trend: IntArray
     hyperparameters: Hyperparameters
+    rotation: FloatArray | None = None
 
     @property
     def noise_std(self) -> float:
@@ -81,10 +85,14 @@ class GaussianProcess:
     @cached_property
     def _projection(self) -> Projection:
         variance = self.hyperparameters.process_variance
-        covariance = variance * self._correlation(self.u)
+        covariance = variance * self._correlation(self._points)
         noise = self.hyperparameters.noise_variance + JITTER * variance
         covariance[np.diag_indices(self.y.size)] += noise
-        return Projection(covariance, hermite_basis(self.u, self.trend))
+        return Projection(covariance, hermite_basis(self._points, self.trend))
+
+    @cached_property
+    def _points(self) -> FloatArray:
+        return _turned(self.u, self.rotation)
 
     @cached_property
     def _centre(self) -> float:
@@ -101,13 +109,14 @@ class GaussianProcess:
         return variance * (p.matrix @ responses), p.coefficients @ responses
 
     def _correlation(self, u: FloatArray) -> FloatArray:
-        squared = scaled_squared_distances(u, self.u, self.hyperparameters.length_scales)
+        """Correlations (m, n) with the training points of turned points (m, d)."""
+        squared = scaled_squared_distances(u, self._points, self.hyperparameters.length_scales)
         return correlation(self.kernel, squared)
 
     def mean(self, u: FloatArray) -> FloatArray:
         """Posterior mean of the surface (m,) at u (m, d)."""
         kernel, trend = self._weights
-        out = np.empty(u.shape[0])
+        u, out = _turned(u, self.rotation), np.empty(u.shape[0])
         for rows in _chunks(u.shape[0]):
             out[rows] = hermite_basis(u[rows], self.trend) @ trend
             out[rows] += self._correlation(u[rows]) @ kernel
@@ -121,6 +130,7 @@ class GaussianProcess:
         """Posterior mean and standard deviation of the surface, each (m,), at u (m, d)."""
         p, variance = self._projection, self.hyperparameters.process_variance
         kernel, trend = self._weights
+        u = _turned(u, self.rotation)
         mean, spread = np.empty(u.shape[0]), np.empty(u.shape[0])
         for rows in _chunks(u.shape[0]):
             basis, cross = hermite_basis(u[rows], self.trend), self._correlation(u[rows])
@@ -163,7 +173,7 @@ class GaussianProcess:
         prior = field.scaled(math.sqrt(values.process_variance))
         noise = self.noise_std * rng.standard_normal((self.y.size, count))
         weights, trend = self._weights_of(
-            (self.y - self._centre)[:, None] - prior(self.u).T - noise
+            (self.y - self._centre)[:, None] - prior(self._points).T - noise
         )
         return SamplePaths(self, prior, weights, trend)
 
@@ -180,6 +190,7 @@ class SamplePaths:
     def __call__(self, u: FloatArray) -> FloatArray:
         """Values (R, m) of the R paths at u (m, d)."""
         gp = self.process
+        u = _turned(u, gp.rotation)
         out = np.empty((self.weights.shape[1], u.shape[0]))
         for rows in _chunks(u.shape[0]):
             some = u[rows]
@@ -204,6 +215,7 @@ def fit_gaussian_process(
     kernel: Kernel = "gaussian",
     rng: np.random.Generator | None = None,
     start: GaussianProcess | None = None,
+    rotation: FloatArray | None = None,
 ) -> GaussianProcess:
     """Fit a Gaussian process to responses.
 
@@ -226,6 +238,9 @@ def fit_gaussian_process(
     start
         A process fitted before to similar data: the search starts from its hyperparameters alone,
         which is several times quicker.
+    rotation
+        Orthonormal directions in columns (d, d) along which trend and process have their
+        variables; None: the inputs themselves.
 
     Raises
     ------
@@ -242,13 +257,13 @@ def fit_gaussian_process(
     if u.shape[1] >= MANY_INPUTS and not isinstance(trend, int):
         learned_on = max(learned_on, 2 * trend.shape[0])
     learned_on = min(learned_on, math.isqrt(_MOST_SQUARES // u.shape[1]))
-    few = np.arange(y.size)
+    few, points = np.arange(y.size), _turned(u, rotation)
     indices = _trend_indices(trend, u.shape[1], min(y.size, learned_on) // 2)
     centre, scale = centre_of(y), float(y.std())
     if scale <= 1e-14 * abs(centre):
         # a constant response: nothing to learn
         nothing = Hyperparameters(np.full(u.shape[1], 3.0), 1e-300 + scale**2, 0.0)
-        return GaussianProcess(u, y, kernel, indices[:1], nothing)
+        return GaussianProcess(u, y, kernel, indices[:1], nothing, rotation)
     if noise is not None and noise / scale > LARGEST_NOISE:
         remedy = f"give less; the responses have the standard deviation {scale:.3g}"
         raise refused("noise", noise, remedy)
@@ -260,14 +275,18 @@ def fit_gaussian_process(
     if y.size > learned_on:
         few = rng.choice(y.size, learned_on, replace=False)
     found = estimate_hyperparameters(
-        u[few],
+        points[few],
         (y[few] - centre) / scale,
-        hermite_basis(u[few], indices),
+        hermite_basis(points[few], indices),
         kernel,
         starts,
         None if noise is None else (noise / scale) ** 2,
     )
-    return GaussianProcess(u, y, kernel, indices, found.scaled(scale))
+    return GaussianProcess(u, y, kernel, indices, found.scaled(scale), rotation)
+
+
+def _turned(u: FloatArray, rotation: FloatArray | None) -> FloatArray:
+    return u if rotation is None else u @ rotation
 
 
 def _trend_indices(trend: int | IntArray, dimension: int, most: int) -> IntArray:
