@@ -25,6 +25,7 @@ PAGES = [
     "docs/mechanism.md",
     "docs/records.md",
     "docs/reports.md",
+    "docs/structures.md",
     "docs/studies.md",
     "docs/validation.md",
 ]

@@ -46,6 +46,7 @@ class _FromMonteCarlo(ReliabilityMethod):
 
     name: ClassVar[str] = "planted"
     bounds_failed_runs: ClassVar[bool] = True
+    any_structure: ClassVar[bool] = True
 
     @property
     def stochastic(self) -> bool:
