@@ -63,9 +63,11 @@ class Problem:
         Number of exchangeable units, or a sequence of `Unit` records that differ. All units are
         independent given the shared inputs.
     structure
-        How the units make up the system; `Series()` by default.
+        How the units make up the system: `Series()` by default, `Parallel()`, `KOutOfN(k)`,
+        `CutSets(sets)`, `PathSets(sets)` or `Structure(expression)`.
     low_fidelity
-        A cheaper partner model with the same arguments, or None.
+        A cheaper partner model with the same arguments, or None. No method runs it: it is for
+        those who want a first look, as the studies do.
     version
         Text that identifies the model's version to a store, or None (nothing is stored).
     name, response, input_units, response_unit
