@@ -726,6 +726,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "step": Kind(0.5, np.float64(0.5)),
                 "tolerance": Kind(0.01, np.float64(0.01)),
                 "max_iterations": count(),
+                "starts": count(),
             },
         ),
         "methods.OpenTURNSMonteCarlo": Call(

@@ -50,7 +50,7 @@ SIMPLE = {
     "mc": methods.MonteCarlo(),
     "conditional-mc": methods.ConditionalMonteCarlo(),
     "openturns-mc": methods.OpenTURNSMonteCarlo(),
-    "openturns-form": methods.OpenTURNSFORM(),
+    "openturns-form": methods.OpenTURNSFORM(starts=1),
     "ffni-spa": methods.FFNISaddlepoint(),
     "ffni-pearson": methods.FFNIPearson(),
     "ffni-spa-fine": methods.FFNISaddlepoint(**FINE),

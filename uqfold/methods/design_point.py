@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -50,6 +50,8 @@ class DesignPoint:
         Squared length of the shared part of alpha: correlation of any two units.
     residual
         Distance between u and beta_hl * alpha, zero at an exact design point.
+    second_order
+        Factor of second order to the smaller probability of one unit; NaN where not looked for.
     algorithm
         Algorithm that came closest; empty where none had to run, or none could.
     linearisations
@@ -65,6 +67,7 @@ class DesignPoint:
     alpha: FloatArray
     shared_fraction: float
     residual: float
+    second_order: float
     algorithm: str
     linearisations: int
     n_evals: int
@@ -121,6 +124,28 @@ def common_start(response: StandardSpaceResponse) -> Start:
     return Start(tuple(known), y_origin, stationary=True)
 
 
+@dataclass(frozen=True)
+class SecondLook:
+    """What runs around a design point show.
+
+    Attributes
+    ----------
+    second_order
+        Factor of second order to the smaller probability, from the curvature at the point.
+    curvature
+        The sizes of what the main curvatures change, summed.
+    place
+        What is changed by the limit state's distance from the point and its slant there.
+    elsewhere
+        Share of failures that begin on other rays than the point's, but further out.
+    """
+
+    second_order: float
+    curvature: float
+    place: float
+    elsewhere: float
+
+
 @dataclass(eq=False)
 class Search:
     """The way to one threshold's design point.
@@ -141,6 +166,10 @@ class Search:
         Whether other design points are likely to be about as near.
     second_order
         Factor by which the curvature of the limit state changes the smaller of both probabilities.
+    others
+        Linearisations at further design points, and their factors of second order.
+    look
+        What a second look at the best point showed; None: it was not taken, or not to its end.
     n_evals
         Runs spent.
     """
@@ -152,6 +181,8 @@ class Search:
     rival: FloatArray | None = None
     several: bool = False
     second_order: float = 1.0
+    others: list[tuple[Linearisation, float]] = field(default_factory=list)
+    look: SecondLook | None = None
     n_evals: int = 0
 
     @property
@@ -248,6 +279,7 @@ class Search:
             # rounding must not carry the square of a unit vector beyond one
             shared_fraction=min(1.0, float(np.sum(best.alpha[:n_shared] ** 2))),
             residual=best.residual(self.threshold),
+            second_order=math.nan if self.look is None else self.look.second_order,
             algorithm=algorithm,
             linearisations=len(self.trace),
             n_evals=self.n_evals,
@@ -283,11 +315,12 @@ def _judged(search: Search, start: Start, tolerance: float) -> tuple[Status, str
             return "doubtful", f"there may be several design points, FORM sees one: {where}"
         if abs(beta) > tolerance and (start.y_origin <= threshold) != (beta > 0.0):
             return "doubtful", f"the limit state has the origin on its far side: {where}"
-        if search.cut:
-            return "budget_exhausted", f"not checked whether it is the nearest point: {where}"
-        if abs(math.log(search.second_order)) > math.log1p(BENT):
+        told = search.look is not None and not search.cut
+        if not told and abs(math.log(search.second_order)) > math.log1p(BENT):
             bent = f"second order takes the smaller probability times {search.second_order:.2g}"
             return "doubtful", f"the limit state is curved, {bent}: {where}"
+        if search.cut:
+            return "budget_exhausted", f"not checked whether it is the nearest point: {where}"
         return "unchecked", ""
     if search.cut and error <= 1.0:
         return "budget_exhausted", f"linearised at {where}, {off}"

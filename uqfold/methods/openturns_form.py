@@ -30,6 +30,7 @@ from uqfold.methods.design_point import (
     common_start,
     verdict,
 )
+from uqfold.methods.design_point_check import Surroundings, with_error
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -49,6 +50,9 @@ Algorithm: TypeAlias = Literal["AbdoRackwitz", "SQP", "Cobyla"]
 
 SMALLEST_STEP = 1e-4
 """Smallest half width of the differences: rounding is 1e-8 of the second ones then."""
+
+APART = 0.5
+"""Design points nearer to each other than this (in standard deviations) are one."""
 
 FURTHEST_MARGIN = 1e6
 """Margins are cut here (in standard deviations), so that no optimiser meets an infinity."""
@@ -75,11 +79,13 @@ class OpenTURNSFORM(ReliabilityMethod):
     came nearer. Then the axes, and the ray opposite, are looked at for a second domain of failure
     that would matter.
 
-    The status is ``unchecked`` if all this holds, since FORM estimates no error of its own: no
-    design point off the points that are looked at is seen. It is ``doubtful`` for a point that
-    nearly fits, for signs of several design points (FORM sees one), for one more than 10 standard
-    deviations away, and where the curvature that those 2 d - 1 points show changes the smaller
-    probability by more than 20 % (Breitung's factor, which the message states); else ``failed``.
+    If all this holds, the curvature there, the place of the limit state along the normal, and
+    design points that are found from `starts` - 1 other starts tell what FORM leaves out (see
+    `SecondLook`). Up to a tenth of the smaller probability this is the stated error and the status
+    ``converged``; beyond, the status is ``doubtful``, and the message states FORM's number and that
+    of second order. It is also ``doubtful`` for a point that nearly fits, for signs of several
+    design points (FORM sees one), and for one more than 10 standard deviations away; ``unchecked``
+    with `starts` = 1, where only Breitung's factor of more than 20 % is doubted; else ``failed``.
 
     `max_evals` pays for the gradient at the origin first; what is left is split into equal shares
     for the remaining thresholds, and a share that is not used up goes to the later ones. The
@@ -101,6 +107,10 @@ class OpenTURNSFORM(ReliabilityMethod):
         r in the point shifts beta by about r^2 times half the curvature.
     max_iterations
         Iterations allowed to each algorithm.
+    starts
+        Searches for each threshold. The first start is as above; the others are points as far out,
+        on the axes, opposite and elsewhere, where the limit state seems nearer than the plane says:
+        none is spent on a linear response. 1: no second look, and no error stated.
 
     Raises
     ------
@@ -117,6 +127,7 @@ class OpenTURNSFORM(ReliabilityMethod):
     step: float = 0.2
     tolerance: float = 0.02
     max_iterations: int = 50
+    starts: int = 4
 
     def __post_init__(self) -> None:
         keep(self, "algorithms", several, choice, get_args(Algorithm))
@@ -126,6 +137,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         keep(self, "step", real, at_least=SMALLEST_STEP, at_most=1.0)
         keep(self, "tolerance", real, above=0.0, below=LOOSE_RESIDUAL)
         keep(self, "max_iterations", whole, at_least=1)
+        keep(self, "starts", whole, at_least=1)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse tau: the spread over units does not follow from one unit's design point."""
@@ -167,8 +179,17 @@ class OpenTURNSFORM(ReliabilityMethod):
             pf, reliability = linearised_failure(
                 point.beta_hl, point.shared_fraction, units, criterion.missions
             )
-            spent = n_start + point.n_evals
-            return Estimate(pf, reliability, status=status, message=message, n_evals_row=spent)
+            estimate = Estimate(
+                pf,
+                reliability,
+                status=status,
+                message=message,
+                n_evals_row=n_start + point.n_evals,
+            )
+            search = searches[criterion.threshold]
+            if search.look is None or search.cut:
+                return estimate
+            return with_error(estimate, search, search.look, problem, criterion.missions)
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
         return Solution(estimates, FORMDetails(tuple(points.values()), n_start))
@@ -190,6 +211,8 @@ class OpenTURNSFORM(ReliabilityMethod):
                 search.look_around(response, self.tolerance)
             if search.rival is not None:
                 search = self._second(response, search, search.rival)
+            if search.error <= self.tolerance and search.rival is None and self.starts > 1:
+                self._check(response, search)
         except BudgetExceededError as error:
             search.cut = str(error)
         search.n_evals = response.session.n_evals - before
@@ -209,6 +232,28 @@ class OpenTURNSFORM(ReliabilityMethod):
         second.several = True
         second.look_around(response, self.tolerance)
         return second
+
+    def _check(self, response: StandardSpaceResponse, search: Search) -> None:
+        """Look at the curvature, and search from further points for other design points."""
+        around = Surroundings(response, search)
+        search.look = around.second_look()
+        for start in around.starts(self.starts - 1):
+            point = around.fails_nearby(start)
+            search.several |= point is not None
+            self._other(response, search, start if point is None else point)
+
+    def _other(self, response: StandardSpaceResponse, search: Search, start: FloatArray) -> None:
+        """Search from another start; note the design point found if it is a new one."""
+        try:
+            other = Search(search.threshold, [(response.linearise(start), "")])
+        except NoGradientError:
+            return
+        self._run(self.algorithms[0], response, other, start)
+        known = [search.best.u, *(one.u for one, _ in search.others)]
+        apart = min(math.dist(other.best.u, u) for u in known)
+        if other.error <= self.tolerance and apart > APART:
+            look = Surroundings(response, other).second_look()
+            search.others.append((other.best, look.second_order))
 
     def _walk(self, response: StandardSpaceResponse, search: Search, point: FloatArray) -> None:
         """Try algorithm after algorithm from `point` until one arrives."""

@@ -70,8 +70,8 @@ class Linearisation:
 class StandardSpaceResponse:
     """The response of one unit over standard-normal space: remembered, counted, with gradient.
 
-    Beyond `SEARCH_RADIUS` the response is continued as a constant along each ray, so that an
-    optimiser's wild step does not run the model at inputs that mean nothing.
+    A `step` beyond `SEARCH_RADIUS` the response is continued as a constant along each ray, so that
+    an optimiser's wild step does not run the model at inputs that mean nothing.
 
     Attributes
     ----------
@@ -102,7 +102,9 @@ class StandardSpaceResponse:
             If a run fails: there is no gradient through a hole.
         """
         radius = np.linalg.norm(u, axis=1, keepdims=True)
-        u = np.where(radius > SEARCH_RADIUS, u * (SEARCH_RADIUS / np.maximum(radius, 1.0)), u)
+        # differences at the edge must not be bent
+        furthest = SEARCH_RADIUS + self.step
+        u = np.where(radius > furthest, u * (furthest / np.maximum(radius, 1.0)), u)
         keys = [(row + 0.0).tobytes() for row in u]
         new = {key: i for i, key in enumerate(keys) if key not in self._known}
         if new:

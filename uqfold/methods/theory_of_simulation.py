@@ -90,8 +90,9 @@ FORM = Theory(
         "First-order reliability method on one unit, by OpenTURNS. The limit state of one unit is "
         "replaced by a plane at its design point in standard-normal space; units and missions are "
         "joined through the shared part of the design direction. The point found is checked, not "
-        "trusted. The method states no error, and neglects the curvature of the limit state: it "
-        "says so where curvature, or a second design point, is seen to matter."
+        "trusted: further runs measure the curvature of the limit state there, and further "
+        "searches look for other design points. What the plane leaves out is the stated error "
+        "while it is small; where it is not, the answer is doubtful, and both numbers are told."
     ),
     equations=(
         Equation(
@@ -112,6 +113,12 @@ FORM = Theory(
             r"\frac{\beta - \sqrt{\rho}\, z}{\sqrt{1 - \rho}} \right) \right]^{n m} \right\} "
             r"\mathrm{d} z",
         ),
+        Equation(
+            "With the main curvatures κ of the limit state at the design point second order gives "
+            "for one unit",
+            r"p_f \approx \Phi(-\beta) \prod_i \left( 1 + "
+            r"\frac{\varphi(\beta)}{\Phi(-\beta)} \kappa_i \right)^{-1/2}",
+        ),
     ),
     references=(
         "Hasofer A.M., Lind N.C. Exact and invariant second-moment code format. Journal of the "
@@ -121,6 +128,8 @@ FORM = Theory(
         "Dunnett C.W., Sobel M. Approximations to the probability integral and certain percentage "
         "points of a multivariate analogue of Student's t-distribution. Biometrika 42 (1955) "
         "258-260.",
+        "Hohenbichler M., Rackwitz R. Improvement of second-order reliability estimates by "
+        "importance sampling. Journal of Engineering Mechanics 114 (1988) 2195-2199.",
         _OPENTURNS,
     ),
 )

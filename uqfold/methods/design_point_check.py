@@ -1,0 +1,316 @@
+"""A second look at a design point: its curvature, its place, and where else failure may be near.
+
+FORM puts a plane through the design point. Runs around the point tell by how much the limit state
+leaves that plane; runs further off tell where another search should start. All changes are
+relative ones of the smaller of the two probabilities of one unit, as natural logarithms.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from uqfold.methods.design_point import NOTICEABLE, Search, SecondLook
+from uqfold.methods.result import Estimate
+from uqfold.methods.standard_space import (
+    SEARCH_RADIUS,
+    NoGradientError,
+    StandardSpaceResponse,
+    shown,
+)
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Missions
+from uqfold.system.linearised import linearised_failure
+from uqfold.typing import FloatArray
+
+FAR_OUT = math.sqrt(3.0)
+"""Curvature is seen over this length, the outer node of three-point Gauss quadrature, and over one
+standard deviation."""
+CLOSE_BY = 0.1
+"""Change of the probability over which the response has to run through T like a line."""
+FEW = 9
+"""Tangent directions up to which every pair of them is looked at."""
+PROBES = 6
+"""Mixtures of all tangent directions that stand for the pairs of more than `FEW`."""
+RANDOM_RAYS = 4
+"""Rays that are drawn, at right angles to the design point, beside the axes."""
+EXPECTED = 0.9
+"""A search starts where the limit state is nearer than this share of its distance by the plane."""
+EXPLAINED = 0.95
+"""Share of the way to the plane beyond which a failure is one that the plane knows of."""
+AGREED = 0.1
+"""Largest change, relative to the smaller probability, with which FORM is believed."""
+LEAST = 1e-3
+"""Least change that is stated: the point is found within a tolerance, by rounded differences, and
+a domain of failure with a smaller share of the probability is not looked for."""
+CANCELLED = 0.25
+"""Share of curvatures of opposite signs that is stated as an error, though they cancel."""
+HALVINGS = 6
+"""Of a ray, to tell where failure begins."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """The margin around the best point of a search, in standard deviations.
+
+    Attributes
+    ----------
+    response, search
+        Counted access to the response, and the search that found the point.
+    """
+
+    response: StandardSpaceResponse
+    search: Search
+
+    @property
+    def side(self) -> float:
+        """1 where failure lies beyond the point, -1 where the origin fails."""
+        return math.copysign(1.0, self.search.best.beta(self.search.threshold))
+
+    @property
+    def towards(self) -> FloatArray:
+        """Unit vector (d,) from the origin to the point."""
+        return self.side * self.search.best.alpha
+
+    @property
+    def radius(self) -> float:
+        """Distance of the point from the origin."""
+        return abs(self.search.best.beta(self.search.threshold))
+
+    @property
+    def rate(self) -> float:
+        """Density over probability beyond the plane, phi / Phi(-radius)."""
+        from scipy.special import log_ndtr
+
+        log_density = -0.5 * self.radius**2 - 0.5 * math.log(2.0 * math.pi)
+        return math.exp(log_density - float(log_ndtr(-self.radius)))
+
+    def margin(self, points: FloatArray) -> FloatArray:
+        """Distances (k,) beyond the limit state, by the slope at the point; points (k, d)."""
+        best = self.search.best
+        return self.side * (self.response.values(points) - self.search.threshold) / best.slope
+
+    def folded(self, directions: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
+        """Curvatures (k,) over +-length, positive away from the origin, and odd parts (k,)."""
+        foot, steps = self.radius * self.towards, length * directions
+        both = self.margin(foot + np.vstack([np.zeros_like(foot), steps, -steps]))
+        ahead, back = np.split(both[1:], 2)
+        return (2.0 * both[0] - ahead - back) / length**2, 0.5 * (ahead - back)
+
+    def second_look(self) -> SecondLook:
+        """Look along the normal and in every tangent direction.
+
+        Takes 3 + 4 (d - 1) runs, and (d - 1) (d - 2) more up to ten inputs, twelve beyond.
+
+        Raises
+        ------
+        BudgetExceededError
+            If the runs do not fit.
+        """
+        room = SEARCH_RADIUS**2 - self.radius**2
+        if room < 0.01:
+            return SecondLook(1.0, 0.0, math.inf, 0.0)
+        tangents = np.linalg.qr(self.towards[:, None], mode="complete")[0][:, 1:].T
+        far = min(FAR_OUT, math.sqrt(room))
+        near = far / FAR_OUT
+        with np.errstate(invalid="ignore"):
+            place = self._misplaced()
+            bend, odd = self.folded(tangents, near)
+            bend_far, odd_far = self.folded(tangents, far)
+            slant = np.maximum(odd**2, 0.5 * odd_far**2).sum()
+            mixed, hidden = self._mixed(tangents, bend, near)
+        if not np.isfinite([place, slant, hidden, *bend, *bend_far, *mixed.ravel()]).all():
+            return SecondLook(1.0, 0.0, math.inf, 0.0)
+        orders = [_second_order(np.diag(main) + mixed, self.rate) for main in (bend, bend_far)]
+        unknown = self.rate**2 * hidden
+        return SecondLook(
+            second_order=math.exp(max((net + unknown for net, _ in orders), key=abs)),
+            curvature=max(sizes for _, sizes in orders) + unknown,
+            place=self.rate * place + 0.5 * self.rate**2 * float(slant),
+            elsewhere=self._elsewhere(),
+        )
+
+    def _misplaced(self) -> float:
+        """How far T lies from the point along the normal, and the response from a line there."""
+        close = CLOSE_BY / self.rate
+        lengths = self.radius + close * np.array([0.0, 1.0, -1.0])
+        here, ahead, back = self.margin(np.outer(lengths, self.towards)).tolist()
+        slope = (ahead - back) / (2.0 * close)
+        if not 0.5 < slope < 2.0:
+            return math.inf
+        return float((abs(here) + 0.5 * abs(ahead + back - 2.0 * here)) / slope)
+
+    def _mixed(
+        self, tangents: FloatArray, bend: FloatArray, length: float
+    ) -> tuple[FloatArray, float]:
+        """Mixed curvatures (k, k), and what they add (per rate^2) where they are not known.
+
+        Of many directions only mixtures with random signs are looked at. Such a mixture has the
+        mean curvature but for the mixed ones, whose squares sum to half its mean square deviation.
+        """
+        k = len(tangents)
+        mixed = np.zeros((k, k))
+        if k < 2:
+            return mixed, 0.0
+        if k <= FEW:
+            i, j = np.triu_indices(k, 1)
+            pairs = self.folded((tangents[i] + tangents[j]) / math.sqrt(2.0), length)[0]
+            mixed[i, j] = mixed[j, i] = pairs - 0.5 * (bend[i] + bend[j])
+            return mixed, 0.0
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, k))
+        deviations = k * self.folded(signs @ tangents / math.sqrt(k), length)[0] - bend.sum()
+        return mixed, float((deviations**2).max()) / 8.0
+
+    def _rays(self) -> FloatArray:
+        """Unit vectors (k, d) of the ray opposite, all axes, and some that are drawn."""
+        d = self.towards.size
+        drawn = np.random.default_rng(0).normal(size=(RANDOM_RAYS if d > 2 else 0, d))
+        drawn -= np.outer(drawn @ self.towards, self.towards)
+        drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
+        return np.vstack([-self.towards, np.eye(d), -np.eye(d), drawn])
+
+    def _reach(self, share: float) -> float:
+        """Distance of a plane with this share of the probability beyond the point's own."""
+        from scipy.special import ndtr, ndtri
+
+        return float(-ndtri(share * ndtr(-self.radius)))
+
+    def _elsewhere(self) -> float:
+        """Share of the probability beyond planes where rays that the point's misses meet T."""
+        from scipy.special import ndtr
+
+        reach, rays = self._reach(LEAST), self._rays()
+        rays = rays[reach * (rays @ self.towards) < EXPLAINED * self.radius]
+        rays = rays[self.margin(reach * rays) > 0.0]
+        if not len(rays):
+            return 0.0
+        low, high = np.full(len(rays), self.radius), np.full(len(rays), reach)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            fails = self.margin(middle[:, None] * rays) > 0.0
+            low, high = np.where(fails, low, middle), np.where(fails, middle, high)
+        return float(ndtr(-low).sum() / ndtr(-self.radius))
+
+    def starts(self, count: int) -> list[FloatArray]:
+        """Return where else to search: at most `count` points (d,), the most promising first.
+
+        The axes, the ray opposite and a few more are looked at as far out as the point. A search
+        is worth its runs where the limit state seems much nearer than the plane.
+        """
+        points = self.radius * self._rays()
+        by_plane = self.radius - points @ self.towards
+        points, by_plane = points[by_plane > 0.5], by_plane[by_plane > 0.5]
+        seen = -self.margin(points)
+        nearer = np.flatnonzero(seen < EXPECTED * by_plane)
+        best = nearer[np.argsort(seen[nearer], kind="stable")][:count]
+        return [points[i] for i in best]
+
+    def fails_nearby(self, start: FloatArray) -> FloatArray | None:
+        """Return a point (d,) that fails near a start where the plane lets it work, or None.
+
+        It is where the response's own plane at the start meets T, if that is near enough to the
+        origin to have a noticeable share of the probability.
+        """
+        try:
+            here = self.response.linearise(start)
+        except NoGradientError:
+            return None
+        gap = (self.search.threshold - here.y) / here.slope
+        point = start + gap * (1.0 + 1e-6) * here.alpha
+        reach = self._reach(NOTICEABLE)
+        known = float(point @ self.towards) > EXPLAINED * self.radius
+        if known or math.hypot(*point) > reach or self.margin(point[None, :])[0] < 0.0:
+            return None
+        return point
+
+
+def with_error(
+    estimate: Estimate, search: Search, look: SecondLook, problem: Problem, missions: Missions
+) -> Estimate:
+    """Add to FORM's answer the error that the second look shows, and the verdict by it.
+
+    In one unit curvatures of opposite signs cancel; in a system, where shared and individual inputs
+    do different things, each counts. How units go together is also taken from where the search
+    started, and the difference counts.
+    """
+    from scipy.special import log_ndtr, ndtri_exp
+
+    best = search.best
+    beta = best.beta(search.threshold)
+    side, log_small = math.copysign(1.0, beta), float(log_ndtr(-abs(beta)))
+    shared, shared_at_start = (
+        min(1.0, float(np.sum(one.alpha[: problem.inputs.n_shared] ** 2)))
+        for one in (best, search.start)
+    )
+    found = sum(
+        factor * math.exp(float(log_ndtr(-abs(one.beta(search.threshold)))) - log_small)
+        for one, factor in search.others
+    )
+    others = max(found, look.elsewhere)
+
+    def system(index: float, correlation: float) -> tuple[float, float]:
+        return linearised_failure(index, correlation, problem.n_units, missions)
+
+    def changed(log_factor: float) -> tuple[float, float]:
+        index = -float(ndtri_exp(min(log_small + log_factor, -1e-3)))
+        return system(side * index, shared)
+
+    def distance(other: tuple[float, float]) -> float:
+        """How far another answer is from the estimate, in the smaller of both probabilities."""
+        small = 0 if own[0] <= own[1] else 1
+        return abs(other[small] - own[small])
+
+    own = system(beta, shared)
+    curved = look.curvature
+    if problem.n_units == 1 and missions == 1:
+        curved = min(curved, abs(math.log(look.second_order)) + CANCELLED * curved)
+    total = LEAST + curved + look.place + others
+    error = max(distance(changed(total)), distance(changed(-total)))
+    error += distance(system(beta, shared_at_start))
+    if error <= AGREED * min(own) and estimate.status == "unchecked":
+        half = 1.96 * error
+        return replace(
+            estimate,
+            std_error=error,
+            ci_low=max(0.0, estimate.pf - half),
+            ci_high=min(1.0, estimate.pf + half),
+            ci_kind="second order",
+            error_kind="surrogate",
+            status="converged",
+        )
+    factor = look.second_order + found
+    second = "no number"
+    if math.log(factor) < -log_small:
+        second = f"{changed(math.log(factor))[0]:.3g}"
+    numbers = f"FORM gives pf = {estimate.pf:.3g}, second order {second}"
+    if estimate.status == "doubtful":
+        return replace(estimate, message=f"{numbers}; {estimate.message}")
+    reasons = {
+        "the limit state is curved": curved,
+        "the limit state is not where its plane is": look.place,
+        "there is a second domain of failure": others,
+    }
+    reason = max(reasons, key=lambda name: reasons[name])
+    if total < 0.5 * AGREED:
+        reason = "the correlation of units is not the same everywhere"
+    where = "; ".join(
+        f"u = {shown(one.u)}, beta = {one.beta(search.threshold):.4g}"
+        for one in (best, *(other for other, _ in search.others))
+    )
+    return replace(estimate, status="doubtful", message=f"{reason}: {numbers}: {where}")
+
+
+def _second_order(curvatures: FloatArray, rate: float) -> tuple[float, float]:
+    """Logarithm of the factor of second order, and its parts summed by size; curvatures (k, k).
+
+    Hohenbichler M., Rackwitz R. Improvement of second-order reliability estimates by importance
+    sampling. J. Eng. Mech. 114 (1988) 2195-2199. The factor prod (1 + rate kappa)^(-1/2) is
+    Breitung's for large distances.
+    """
+    bends = 1.0 + rate * np.linalg.eigvalsh(curvatures)
+    if not (bends > 0.0).all():
+        return math.inf, math.inf
+    parts = -0.5 * np.log(bends)
+    return float(parts.sum()), float(np.abs(parts).sum())
