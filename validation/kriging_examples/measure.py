@@ -12,8 +12,7 @@ import pandas as pd
 from uqfold.methods.kriging import Kriging
 from uqfold.problems.reference import Reference
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.methods.answers import answers, references, rms
-from validation.methods.examples import EXAMPLES
+from validation.methods.answers import EXAMPLES, answers, references, rms
 
 MAX_EVALS, FEW_EVALS = 100, 20
 LARGEST_PF = 0.5

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
 from uqfold.methods.base import ReliabilityMethod
+from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.reference import Reference
+
+EXAMPLES: dict[str, Callable[[], Problem]] = {
+    "Example 1": series,
+    "Example 2": four_bar,
+    "Example 3": folding_wing,
+}
+"""The paper's examples that have references of their own."""
 
 
 def references(problem: Problem, criteria: Sequence[Criterion] | None = None) -> list[Reference]:

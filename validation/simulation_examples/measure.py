@@ -12,8 +12,7 @@ from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.methods.answers import answers, firm, references
-from validation.methods.examples import EXAMPLES
+from validation.methods.answers import EXAMPLES, answers, firm, references
 
 STANDARD_ERRORS = 4.5
 """Largest difference in joint standard errors."""

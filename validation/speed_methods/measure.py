@@ -13,8 +13,7 @@ from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.methods.answers import answers, references
-from validation.methods.examples import EXAMPLES
+from validation.methods.answers import EXAMPLES, answers, references
 
 LEVELS = (0.1, 0.01, 0.001)
 """Failure probabilities at which methods are compared; the nearest reference is taken."""
