@@ -8,7 +8,7 @@ from typing import Any
 
 from uqfold.plots.wording import Row
 from uqfold.report.page.builder import Page
-from uqfold.report.page.markup import code, literal
+from uqfold.report.page.markup import literal
 
 _STRUCTURES = {
     "Series()": "all of which must work",
@@ -139,7 +139,7 @@ def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) ->
     if reference is not None:
         facts["reference"] = literal(f"{reference['kind']}: {reference['how']}")
         if reference["command"]:
-            facts["made by"] = code(reference["command"])
+            facts["made by"] = literal(reference["command"])
     page.facts(facts)
     system = header["system"]
     if system is not None and system["structure"] == "Series()":

@@ -13,14 +13,11 @@ from rich.console import Console, RenderableType
 from rich.progress import (
     BarColumn,
     Progress,
-    ProgressColumn,
     SpinnerColumn,
-    Task,
     TaskID,
     TextColumn,
     TimeRemainingColumn,
 )
-from rich.text import Text
 
 from uqfold.evaluation import RunningEstimate
 
@@ -47,7 +44,7 @@ class ComparisonProgressBar(Progress):
     """
 
     def __init__(self, labels: Sequence[str], console: Console, unit: str = "evaluations") -> None:
-        self._labels = list(labels)
+        self._labels, self._unit = list(labels), unit
         self._since = time.monotonic()
         self._current: TaskID | None = None
         wide = console.width >= WIDE
@@ -55,7 +52,7 @@ class ComparisonProgressBar(Progress):
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=30 if wide else 10),
-            _CountColumn(unit),
+            TextColumn("{task.fields[count]}", markup=False),
             TimeRemainingColumn(compact=True),
             *([TextColumn("{task.fields[estimate]}", markup=False)] if wide else []),
             console=console,
@@ -87,22 +84,12 @@ class ComparisonProgressBar(Progress):
             self._since = time.monotonic()
             number = self._labels.index(label) + 1
             name = f"{number}/{len(self._labels)} {label}"
-            self._current = self.add_task(name, total=None, estimate="")
-        self.update(self._current, completed=n_evals, total=expected)
-
-
-class _CountColumn(ProgressColumn):
-    """How many so far, how many are expected, and their rate."""
-
-    def __init__(self, unit: str) -> None:
-        super().__init__()
-        self._unit = unit
-
-    def render(self, task: Task) -> Text:
-        done = f"{int(task.completed):,}"
-        of = "" if task.total is None else f" of {int(task.total):,}"
-        rate = "" if task.speed is None else f", {task.speed:,.0f}/s"
-        return Text(f"{done}{of} {self._unit}{rate}")
+            self._current = self.add_task(name, total=None, estimate="", count="")
+        seconds = time.monotonic() - self._since
+        of = "" if expected is None else f" of {expected:,}"
+        rate = f", {n_evals / seconds:,.0f}/s" if n_evals and seconds > 0.0 else ""
+        count = f"{n_evals:,}{of} {self._unit}{rate}"
+        self.update(self._current, completed=n_evals, total=expected, count=count)
 
 
 class ProgressLines:

@@ -40,17 +40,10 @@ def escaped(text: str) -> str:
     return _ADDRESS.sub(r"\1\\\2", line)
 
 
-def code(text: str) -> str:
-    """Return a text as code within a line of Markdown, whatever it holds."""
-    line = re.sub(r"\s+", " ", text)
-    ticks = "`" * (_longest_ticks(line) + 1)
-    space = " " if line.startswith("`") or line.endswith("`") else ""
-    return f"{ticks}{space}{line}{space}{ticks}" if line.strip() else ""
-
-
 def fenced(text: str, language: str = "") -> str:
     """Return a text as code on lines of its own, whatever it holds."""
-    fence = "`" * max(3, _longest_ticks(text) + 1)
+    longest = max((len(run) for run in re.findall(r"`+", text)), default=0)
+    fence = "`" * max(3, longest + 1)
     return f"{fence}{language}\n{text}\n{fence}"
 
 
@@ -72,10 +65,6 @@ def html(markdown: str) -> str:
 def inline_html(markdown: str) -> str:
     """Return one line of Markdown as HTML, without a paragraph around it."""
     return str(_parser().renderInline(markdown))
-
-
-def _longest_ticks(text: str) -> int:
-    return max((len(run) for run in re.findall(r"`+", text)), default=0)
 
 
 @cache
