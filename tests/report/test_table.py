@@ -133,6 +133,9 @@ def test_at_60_columns_every_row_is_one_line(frame: pd.DataFrame) -> None:
     assert max(map(len, lines)) <= 60
     assert "  left out   evaluations and interval, which a wider" in lines
     assert "left out" not in printed(frame, 80)
+    # what a method's whole run cost is always told
+    (head,) = [line.split() for line in lines if "whole run" in line]
+    assert "evaluations" in head
 
 
 def test_the_summary_counts_answers_and_errors(frame: pd.DataFrame) -> None:

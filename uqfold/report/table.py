@@ -48,7 +48,7 @@ _OF_ANSWERS = ("method", "pf", "interval", "error", "evaluations", "status")
 _OF_METHODS = (
     "whole run", "answered", "median error", "largest", "evaluations", "time", "title",
 )  # fmt: skip
-_LEFT_OUT = ("title", "evaluations", "interval", "largest")
+_LEFT_OUT = {_OF_ANSWERS: ("evaluations", "interval"), _OF_METHODS: ("title", "largest")}
 """What is left out where there is no room, one after the other."""
 
 
@@ -95,7 +95,7 @@ class ComparisonTable:
         yield ""
         yield from _fitting(methods, _OF_METHODS, console, options)
         yield ""
-        left_out = [name for name in ("evaluations", "interval") if name not in head.plain]
+        left_out = [name for name in _LEFT_OUT[_OF_ANSWERS] if name not in head.plain]
         for word, meaning in _legend(header, rows, left_out).items():
             yield from _noted(f"  {word:<11}", meaning, options.max_width, "dim")
         for i, ((label, said), number) in enumerate(remarks(rows).items()):
@@ -106,14 +106,14 @@ class ComparisonTable:
 
 
 def _fitting(
-    frame: pd.DataFrame, names: Sequence[str], console: Console, options: ConsoleOptions
+    frame: pd.DataFrame, names: tuple[str, ...], console: Console, options: ConsoleOptions
 ) -> list[Text]:
     """Return the lines of a frame of cells, its heading first, as wide as there is room."""
     from rich.text import Text
 
     columns = [name for name in names if name in frame.columns]
-    for gap, n_left_out in ((3, 0), (2, 0), *((1, n) for n in range(len(_LEFT_OUT) + 1))):
-        without = _LEFT_OUT[:n_left_out]
+    for gap, n_left_out in ((3, 0), (2, 0), (1, 0), (1, 1), (1, 2)):
+        without = _LEFT_OUT[names][:n_left_out]
         table = _table(frame, [name for name in columns if name not in without], gap)
         width = console.measure(table, options=options.update(width=10_000)).maximum
         if width <= options.max_width:
