@@ -453,6 +453,10 @@ def calls(folder: Path) -> dict[str, Call]:
             analysis.designs_to_frame,
             {"designs": thing([design]).also("empty list"), "verify_by": optional(method), **run},
         ),
+        "analysis.importance_of_units": Call(
+            analysis.importance_of_units,
+            {**of, "problem": thing(alone), "method": surface, **run},
+        ),
         "analysis.independence": Call(
             analysis.independence,
             {

@@ -9,6 +9,7 @@ from uqfold.analysis.designed_threshold import (
     design_thresholds as design_thresholds,
 )
 from uqfold.analysis.fitted_surface import NoSurfaceError as NoSurfaceError
+from uqfold.analysis.importance_of_units import importance_of_units as importance_of_units
 from uqfold.analysis.independent_units import independence as independence
 from uqfold.analysis.paired import (
     PairedDifference as PairedDifference,

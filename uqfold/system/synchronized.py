@@ -86,13 +86,22 @@ def mission_probability(
     return _synchronized(unit, units, thresholds, tau)
 
 
+def failure_of_units(
+    unit: UnitResponse, units: SystemUnits, thresholds: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Probabilities (J, R) that a unit of each offset fails at each threshold, and that it works.
+
+    What is missing from their sum is the probability of a failed run.
+    """
+    asked = units.thresholds(thresholds)
+    cdf, sf = (tail.reshape(asked.shape) for tail in unit.tails(asked.ravel()))
+    return unit.p_never + unit.p_finite * sf, unit.p_always + unit.p_finite * cdf
+
+
 def _unsynchronized(
     unit: UnitResponse, units: SystemUnits, thresholds: FloatArray
 ) -> MissionProbability:
-    asked = units.thresholds(thresholds)
-    cdf, sf = (tail.reshape(asked.shape) for tail in unit.tails(asked.ravel()))
-    fails = unit.p_never + unit.p_finite * sf
-    works = unit.p_always + unit.p_finite * cdf
+    fails, works = failure_of_units(unit, units, thresholds)
     high = units.mission(fails + unit.p_missing, works)
     low = units.mission(fails, works + unit.p_missing) if unit.p_missing > 0 else high
     return MissionProbability(*high, *low)
