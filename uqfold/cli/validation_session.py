@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from uqfold.validation.kept import (
 )
 from uqfold.validation.record import CaseRecord, read_case_records, write_case_record
 from uqfold.validation.runner import Validation
+from uqfold.validation.side_by_side import side_by_side
 from uqfold.writing import check_writable
 
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
@@ -42,24 +43,12 @@ def measure_cases(
     records: list[CaseRecord] = []
     found: dict[str, Changes] = {}
     interrupted = False
-    wake = invocation.interrupts.check
     try:
-        with ComparisonProgressBar(
-            [case.name for case in cases], Console(stderr=True), unit="parts"
-        ) as bar:
-
-            def progress(name: str, done: int, total: int | None) -> None:
-                wake()
-                bar(name, done, total)
-
-            for case in cases:
-                record = replace(validation, progress=progress).run(case)
-                # what was interrupted may look finished where a library swallowed it
-                wake()
-                records.append(record)
-                found[case.name] = changes(kept_record(case, record.tier), record)
-                if update:
-                    write_case_record(record, case.kept(record.tier))
+        for case, record in _measured(cases, validation, invocation.interrupts.check):
+            records.append(record)
+            found[case.name] = changes(kept_record(case, record.tier), record)
+            if update:
+                write_case_record(record, case.kept(record.tier))
     except KeyboardInterrupt:
         resume = shlex.join(["uqfold", *invocation.words])
         done = f"{len(records)} of {len(cases)} cases are finished and kept"
@@ -70,6 +59,8 @@ def measure_cases(
         reports = page.write(validation.folder / "report.html")
         if update:
             reports += write_kept_report(cases[0].folder.parent)[:1]
+        names = [case.name for case in cases]
+        records.sort(key=lambda record: names.index(record.name))
         _print_outcome(records, found, [validation.folder, *reports])
     if interrupted:
         return EXIT_INTERRUPTED
@@ -77,6 +68,29 @@ def measure_cases(
         return EXIT_BROKEN
     # with --update they are the kept ones from now on
     return EXIT_CHANGED if not update and any(one.verdicts for one in found.values()) else 0
+
+
+def _measured(
+    cases: Sequence[Case], validation: Validation, wake: Callable[[], None]
+) -> Iterator[tuple[Case, CaseRecord]]:
+    """Measure case by case, those that may run side by side first."""
+    left = {case.name: case for case in cases}
+    with ComparisonProgressBar([*left], Console(stderr=True), unit="parts") as bar:
+
+        def progress(name: str, done: int, total: int | None) -> None:
+            wake()
+            bar(name, done, total)
+
+        measuring = replace(validation, progress=progress)
+        for case, record in side_by_side(measuring, cases, wake):
+            bar(case.name, 0, None)
+            del left[case.name]
+            yield case, record
+        for case in left.values():
+            record = measuring.run(case)
+            # what was interrupted may look finished where a library swallowed it
+            wake()
+            yield case, record
 
 
 def _print_outcome(
