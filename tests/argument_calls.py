@@ -228,7 +228,6 @@ def calls(folder: Path) -> dict[str, Call]:
         "curves": optional(choice("missions")),
         "check": optional(text("mc")).also("text"),
         "paired": optional(thing(None)),
-        "smallest_pf": optional(number(0.01)),
     }
     axes, page = plots.error_against_evaluations(frame), report.Page("some")
     drawn_into = plots.error_against_evaluations(frame)
@@ -810,7 +809,6 @@ def calls(folder: Path) -> dict[str, Call]:
                 "frame": thing(frame),
                 "quantities": thing(["pf"]),
                 "panels": optional(choice("missions")),
-                "names": optional(thing(["some"]).also("empty list")),
                 **curve_options,
             },
         ),
