@@ -1,9 +1,9 @@
 """What the examples of the paper share: conditions, grids, and the tables of their reports."""
 
-import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from runner import Run
 
@@ -25,7 +25,6 @@ PAIRED = (
     "The difference is that of paired runs, with a band of two standard errors: a ten-thousandth, "
     "far too small for the curves above and for the simulation."
 )
-Options = Callable[[Run, tuple[int, int], bool], dict[str, Any]]
 SYMBOLS = {"V_q": "V_q", "delta": r"\delta", "b": "b", "k_d": "k_d", "C_r": "C_r"}
 UNITS = {"V_q": " m/s", "delta": "°", "b": " mm", "k_d": " N", "C_r": " mm"}
 
@@ -120,41 +119,37 @@ def answer_pair(
         run.compare(f"{name}-check", problems, simulation, grid)
 
 
-def pair_figures(
-    page: Page, run: Run, number: int, pairs: Iterable[tuple[int, int]], options: Options
-) -> None:
+def pair_figures(page: Page, run: Run, number: int, pairs: Iterable[tuple[int, int]]) -> None:
     """Add Fig. 16 or 17: two conditions against each other, with the simulation as marks.
 
-    Parameters
-    ----------
-    options
-        Function that returns, for two conditions without or with synchronization, what
-        `plots.reliability_panels` is to be told besides.
+    Where there is a table of paired runs, the difference is theirs.
     """
     letters = iter("abcdefghij")
     for pair in pairs:
-        name, moment, _ = CONDITIONS[pair[0]]
-        short = "mean" if moment == "mean" else "std. dev."
-        names = {
-            f"condition-{one}": f"{one}: {short} of ${SYMBOLS[name]}$ {value:g}{UNITS[name]}"
-            for one, value in ((one, CONDITIONS[one][2]) for one in pair)
-        }
-        for sync in (False, True):
-            letter, words = next(letters), "without synchronization"
-            chosen: dict[str, Any] = {"tau": None, "missions": ["2", "5", "8", "10"]}
-            look: dict[str, Any] = {"curves": "missions"}
-            if sync:
-                words = "with synchronization and a random number of missions"
-                chosen, look = {"tau": TAU, "missions": str(FLOWN)}, {"curves": "tau"}
-            more = options(run, pair, sync)
-            rows = run.rows(f"{name}-{'sync' if sync else 'no-sync'}", f"{name}-check", **chosen)
-            rows["problem"] = rows["problem"].replace(names)
+        changed, moment, _ = CONDITIONS[pair[0]]
+        short, names = moment.replace("standard deviation", "std. dev."), {}
+        for one in pair:
+            value = f"{CONDITIONS[one][2]:g}{UNITS[changed]}"
+            names[f"condition-{one}"] = f"{one}: {short} of ${SYMBOLS[changed]}$ {value}"
+        for kind, words, curves, chosen in (
+            ("", "without synchronization", "missions",
+             {"tau": None, "missions": ["2", "5", "8", "10"]}),
+            ("-sync", "with synchronization and a random number of missions", "tau",
+             {"tau": TAU, "missions": str(FLOWN)}),
+        ):  # fmt: skip
+            answers = f"{changed}{kind or '-no-sync'}"
+            rows = run.rows(answers, f"{changed}-check", **chosen).replace({"problem": names})
+            paired = run.tables.get(f"{changed}{kind}-paired")
+            letter = next(letters)
             page.figure(
-                plots.reliability_panels(rows, check="simulation", **look, **more),
+                plots.reliability_panels(
+                    rows, ["reliability", "pf", "difference"], curves=curves, check="simulation",
+                    paired=paired,
+                ),
                 f"Fig. {number}({letter}): conditions {pair[0]} and {pair[1]}, {words}",
-                PAIRED if "paired" in more else "",
+                "" if paired is None else PAIRED,
                 name=f"fig-{number}{letter}",
-            )
+            )  # fmt: skip
 
 
 def inputs_table(run: Run, problem: str) -> pd.DataFrame:
@@ -183,50 +178,41 @@ def evaluations_table(run: Run, *names: str) -> pd.DataFrame:
     """Return the evaluations of every method, with a row for a reference by simulation."""
     frame = run.rows(*names)
     frame = frame[frame["pf"].notna()]
-    asked = frame["tau"].isna().map({True: "without", False: "with"})
-    counts = frame.groupby(["problem", "label", asked], sort=False)["n_evals"].agg(["min", "max"])
-    shown = counts.apply(
-        lambda row: " to ".join(f"{count:,}" for count in sorted({*row.tolist()})), axis=1
-    )
-    table = shown.unstack().reindex(columns=["without", "with"])
-    stated = run.tables["problems"].set_index("problem")["reference_how"]
-    deployments = stated.astype(str).str.extract(r"(\d+) deployments")[0].dropna()
-    known = frame[frame["reference_pf"].notna()]
-    for problem, count in deployments.items():
-        compared = set(asked[known.index[known["problem"] == problem]])
-        if compared:
-            table.loc[(problem, "Monte Carlo, the reference"), list(compared)] = f"{int(count):,}"
-    table = table.reset_index().rename(columns={"label": "method"})
-    columns = {one: f"evaluations {one} synchronization" for one in ("without", "with")}
-    table = table.rename(columns=columns).sort_values("problem", kind="stable")
+    asked = np.where(frame["tau"].isna(), "without", "with") + " synchronization"
+    frame = frame.assign(asked="evaluations " + asked)
+    cases = frame.groupby(["problem", "label", "asked"], sort=False)["n_evals"]
+    table = cases.agg(lambda n: " to ".join(f"{one:,}" for one in sorted({n.min(), n.max()})))
+    stated = run.tables["problems"].set_index("problem")["reference_how"].astype(str)
+    deployments = stated.str.extract(r"(\d+) deployments")[0].dropna()
+    known = frame[frame["reference_pf"].notna() & frame["problem"].isin(deployments.index)]
+    for problem, one in {*zip(known["problem"], known["asked"], strict=True)}:
+        count = int(deployments[problem])
+        table[problem, "Monte Carlo, the reference", one] = f"{count:,}"
+    table = table.unstack().reset_index().rename(columns={"label": "method"})
+    table = table.sort_values("problem", kind="stable")
     return table if table["problem"].nunique() > 1 else table.drop(columns="problem")
 
 
 def errors_table(run: Run, *names: str) -> pd.DataFrame:
     """Return the signed relative errors of pf, by method and decade of the reference."""
     frame = run.rows(*names)
-    frame = frame[frame["error"].notna()].copy()
-    frame["signed"] = (frame["pf"] - frame["reference_pf"]) / frame["reference_pf"]
-    frame["decade"] = frame["reference_pf"].map(lambda pf: math.ceil(math.log10(pf)) - 1)
-    frame["tau"] = frame["tau"].notna().map({True: "yes", False: "no"})
-    resolution = 2.0 * frame["reference_std_error"] / frame["reference_pf"]
-    frame["unjudged"] = frame["error"] <= resolution
-    found = frame.groupby(["problem", "label", "tau", "decade"]).agg(
-        criteria=("signed", "size"),
-        median=("signed", "median"),
-        low=("signed", "min"),
-        high=("signed", "max"),
-        unjudged=("unjudged", "sum"),
-    )
-    found = found.sort_index(ascending=[True, True, True, False]).reset_index()
-    found["decade"] = found["decade"].map(lambda one: f"1e{one} to 1e{one + 1}")
-    for column in ("median", "low", "high"):
-        found[column] = found[column].map(signed_percent)
+    frame = frame[frame["error"].notna()]
+    decade = np.ceil(np.log10(frame["reference_pf"])).astype(int)
+    cases = frame.assign(
+        signed=(frame["pf"] - frame["reference_pf"]) / frame["reference_pf"],
+        unjudged=frame["error"] <= 2.0 * frame["reference_std_error"] / frame["reference_pf"],
+        tau=np.where(frame["tau"].isna(), "no", "yes"), falling=-decade,
+        decade="1e" + (decade - 1).astype(str) + " to 1e" + decade.astype(str),
+    ).groupby(["problem", "label", "tau", "falling", "decade"])  # fmt: skip
+    found = cases["signed"].agg(["size", "median", "min", "max"])
+    found[["median", "min", "max"]] = found[["median", "min", "max"]].map(signed_percent)
+    found["below the reference's own error"] = cases["unjudged"].sum()
+    found = found.reset_index().drop(columns="falling")
     if found["problem"].nunique() == 1:
         found = found.drop(columns="problem")
     return found.rename(columns={
-        "label": "method", "decade": "reference pf", "median": "median error", "low": "from",
-        "high": "to", "unjudged": "below the reference's own error",
+        "label": "method", "decade": "reference pf", "size": "criteria", "median": "median error",
+        "min": "from", "max": "to",
     })  # fmt: skip
 
 

@@ -97,19 +97,16 @@ def design_table(frame: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for row in frame.to_dict("records"):
         width = row["high"] - row["low"]
-        digits = 4 if row["value"] < 10.0 else 2
-        if width > 0.0:  # show the interval to its second digit
-            digits = min(max(1 - math.floor(math.log10(width)), 0), 8)
-        known = not math.isnan(row["value"])
+        # an interval is shown to its second digit
+        digits = 1 - math.floor(math.log10(width)) if width > 0.0 else 4
+        value, low, high = (f"{row[name]:.{digits}f}" for name in ("value", "low", "high"))
         tau = "no tau" if math.isnan(row["tau"]) else f"tau = {row['tau']:g} s"
         rows.append({
             "criterion": f"{tau}, m = {row['missions']}",
             "method": row["label"],
             "evaluations": row["n_evals"],
-            f"{row['parameter']} ({row['unit']})":
-                f"{row['value']:.{digits}f}" if known else row["status"],
-            "interval, 95 %":
-                f"{row['low']:.{digits}f} to {row['high']:.{digits}f}" if width > 0.0 else "-",
+            f"{row['parameter']} ({row['unit']})": row["status"] if value == "nan" else value,
+            "interval, 95 %": f"{low} to {high}" if width > 0.0 else "-",
             "simulated pf at the value": simulated(row, "value"),
             "at the safe value": simulated(row, "safe"),
             "intervals agree": row["agrees"] or "-",
@@ -121,10 +118,9 @@ def design_table(frame: pd.DataFrame) -> pd.DataFrame:
 def simulated(row: Mapping[str, Any], place: str) -> str:
     """Write what simulation says of a design at its value or safe value."""
     pf, low, high = (row[f"{place}_{name}"] for name in ("pf", "ci_low", "ci_high"))
-    if math.isnan(pf):
-        return "-"
-    meets = {"yes": "met", "no": "missed", "undecided": "undecided"}[row[f"{place}_meets"]]
-    return f"{pf:.3g} ({low:.2g} to {high:.2g}): {meets}"
+    verdicts = {"": "", "yes": "met", "no": "missed", "undecided": "undecided"}
+    verdict = verdicts[row[f"{place}_meets"]]
+    return f"{pf:.3g} ({low:.2g} to {high:.2g}): {verdict}" if verdict else "-"
 
 
 if __name__ == "__main__":

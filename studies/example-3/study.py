@@ -76,24 +76,23 @@ def page(run: Run) -> "uqfold.report.Page":
     page.table(errors_table(run, *names), "Errors by decade of the failure probability")
 
     page.section("Figures")
-    panels = plots.reliability_panels
-    over_m = {"curves": "missions", "panels": "tau"}
-    rows = run.rows("no-sync", missions=["2", "5", "8", "10"])
-    title = "Fig. 15(a): m missions, without synchronization"
-    page.figure(panels(rows, curves="missions"), title, name="fig-15a")
-    rows = run.rows("sync", missions=["2", "5"])
-    title = "Fig. 15(b): two and five missions, with synchronization"
-    page.figure(panels(rows, curves="tau", panels="missions"), title, name="fig-15b")
-    rows = run.rows("sync", tau=[0.03, 0.04, 0.05])
-    page.figure(panels(rows, **over_m), "Fig. 15(c): m, tau and T", name="fig-15c")
-    title = "Fig. 15(d): number of planned flights, each flown with probability 0.5"
-    page.figure(panels(run.rows("planned"), **over_m), title, name="fig-15d")
-    title = "Fig. 15(e): probability that each of ten planned flights is flown"
-    page.figure(panels(run.rows("flown"), **over_m), title, name="fig-15e")
-    title = "Fig. 15(f): error without synchronization"
-    page.figure(panels(run.rows("no-sync"), ["error"], curves="missions"), title, name="fig-15f")
-    title = "Fig. 15(g): error with synchronization"
-    page.figure(panels(rows, ["error"], **over_m), title, name="fig-15g")
+    by_m, by_tau = {"curves": "missions", "panels": "tau"}, {"curves": "tau", "panels": "missions"}
+    one, error = {"curves": "missions"}, {"quantities": ["error"]}
+    for letter, title, rows, options in (
+        ("a", "m missions, without synchronization",
+         run.rows("no-sync", missions=["2", "5", "8", "10"]), one),
+        ("b", "two and five missions, with synchronization",
+         run.rows("sync", missions=["2", "5"]), by_tau),
+        ("c", "m, tau and T", run.rows("sync", tau=[0.03, 0.04, 0.05]), by_m),
+        ("d", "number of planned flights, each flown with probability 0.5",
+         run.rows("planned"), by_m),
+        ("e", "probability that each of ten planned flights is flown", run.rows("flown"), by_m),
+        ("f", "error without synchronization", run.rows("no-sync"), {**one, **error}),
+        ("g", "error with synchronization",
+         run.rows("sync", tau=[0.03, 0.04, 0.05]), {**by_m, **error}),
+    ):  # fmt: skip
+        figure = plots.reliability_panels(rows, **options)
+        page.figure(figure, f"Fig. 15({letter}): {title}", name=f"fig-15{letter}")
     title = "Fig. 15(h): correlated against independent, n wings"
     page.figure(plots.independence_panels(run.rows("independence")), title, name="fig-15h")
     return finish(page, run, FFNI)

@@ -17,9 +17,7 @@ scatter of the model is set beside their difference (table C_r-sync-scatter).
 
 import hashlib
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -63,53 +61,46 @@ def scatter(run: Run) -> pd.DataFrame:
     The first impacts are chaotic: two runs with nearly the same inputs differ by more than the
     inputs do, and so do answers made from 1,125 runs.
     """
-    rows, repeats = [], run.choose(20, 2)
+    tables, repeats = [], run.choose(20, 2)
     method = paper.FFNI["ffni-pearson"]
     grid = criteria(*run.choose(([0.549, 0.6], [0.03, 0.05]), (0.549, 0.03)), FLOWN)
     for number in run.choose([9, 10], [10]):
         problem = paper.condition(number)
-        plain = method.estimate(problem, grid, rng=0, evaluator=run.evaluator(problem)).pf
+        plain = method.estimate(problem, grid, rng=0, evaluator=run.evaluator(problem)).to_frame()
         for relative in run.choose([1e-6, 1e-3, 1e-2], [1e-2]):
-            found = []
-            for seed in range(repeats):
-                nudged = Nudged(problem.model, problem.inputs.names.index("C_r"), relative, seed)
-                changed = uqfold.Problem(
-                    nudged, inputs=problem.inputs.distribution, names=problem.inputs.names,
-                    shared=problem.inputs.shared_names, units=problem.n_units,
-                )  # fmt: skip
-                found.append(method.estimate(changed, grid, rng=0).pf)
-            spread = pd.DataFrame(found).agg(["mean", "std", "min", "max"])
-            for i, criterion in enumerate(grid):
-                rows.append((
-                    f"condition-{number}", "ffni-pearson", relative, criterion.threshold,
-                    criterion.tau, str(criterion.missions), repeats, plain[i], *spread[i],
-                ))  # fmt: skip
-    columns = ["problem", "label", "relative", "threshold", "tau", "missions", "repeats"]
-    columns += ["pf", "pf_mean", "pf_std", "pf_low", "pf_high"]
-    return pd.DataFrame(rows, columns=columns)
+            nudged = [
+                method.estimate(nudge(problem, relative, seed), grid, rng=0).pf
+                for seed in range(repeats)
+            ]
+            spread = pd.DataFrame(nudged).agg(["mean", "std", "min", "max"]).T
+            spread.columns = ["pf_mean", "pf_std", "pf_low", "pf_high"]
+            tables.append(plain[["threshold", "tau", "missions", "pf"]].join(spread).assign(
+                problem=f"condition-{number}", label="ffni-pearson", relative=relative,
+                repeats=repeats,
+            ))  # fmt: skip
+    order = ["problem", "label", "relative", "threshold", "tau", "missions", "repeats"]
+    return pd.concat(tables)[[*order, "pf", "pf_mean", "pf_std", "pf_low", "pf_high"]]
 
 
-@dataclass(frozen=True)
-class Nudged:
-    """A model that sees one of its inputs changed by a tiny relative amount.
+def nudge(problem: uqfold.Problem, relative: float, seed: int) -> uqfold.Problem:
+    """Return a problem whose model sees its clearance changed by a tiny relative amount.
 
     The change is a standard-normal number made from the row itself and the seed, so that a row has
     one response, whatever batch it comes in.
     """
+    names, salt = problem.inputs.names, seed.to_bytes(8, "little")
 
-    model: Any
-    column: int
-    relative: float
-    seed: int
-
-    def __call__(self, x: np.ndarray) -> np.ndarray:
-        """Return the responses (n,) of X (n, d)."""
-        salt = self.seed.to_bytes(8, "little")
+    def model(x: np.ndarray) -> np.ndarray:
         digests = [hashlib.blake2b(row.tobytes(), digest_size=8, salt=salt) for row in x]
         uniform = np.array([int.from_bytes(one.digest(), "little") for one in digests]) / 2.0**64
         nudged = np.array(x)
-        nudged[:, self.column] *= 1.0 + self.relative * ndtri(uniform + 0.5 / 2.0**64)
-        return self.model(nudged)
+        nudged[:, names.index("C_r")] *= 1.0 + relative * ndtri(uniform + 0.5 / 2.0**64)
+        return problem.model(nudged)
+
+    return uqfold.Problem(
+        model, inputs=problem.inputs.distribution, names=names,
+        shared=problem.inputs.shared_names, units=problem.n_units,
+    )  # fmt: skip
 
 
 def page(run: Run) -> "uqfold.report.Page":
@@ -122,14 +113,8 @@ def page(run: Run) -> "uqfold.report.Page":
         "Evaluations of each method",
     )
     page.section("Figures")
-    paper.pair_figures(page, run, 16, PAIRS, parts)
+    paper.pair_figures(page, run, 16, PAIRS)
     return finish(page, run, paper.CHECKED)
-
-
-def parts(run: Run, pair: tuple[int, int], sync: bool) -> dict[str, Any]:
-    """Return what is drawn of two conditions: of the last, also how little they differ."""
-    difference = ["difference"] if pair == (9, 10) else []
-    return {"quantities": ["reliability", "pf", *difference]}
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ mirrored clearances instead (`uqfold.analysis.paired_differences`, 8,000 draws o
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import uqfold
 from uqfold import criteria
@@ -75,16 +74,8 @@ def page(run: Run) -> "uqfold.report.Page":
         "Evaluations of each method",
     )
     page.section("Figures")
-    paper.pair_figures(page, run, 17, PAIRS, parts)
+    paper.pair_figures(page, run, 17, PAIRS)
     return finish(page, run, paper.CHECKED)
-
-
-def parts(run: Run, pair: tuple[int, int], sync: bool) -> dict[str, Any]:
-    """Return what is drawn of two conditions: of the last, the difference of paired runs."""
-    options: dict[str, Any] = {"quantities": ["reliability", "pf", "difference"]}
-    if pair == (19, 20):
-        options["paired"] = run.rows("C_r-sync-paired" if sync else "C_r-paired")
-    return options
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ intervals.
 import math
 import sys
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
@@ -75,24 +76,22 @@ def lock_scan(run: Run) -> pd.DataFrame:
     The wings have ideal joints, which changes a time by about a millisecond; a time is infinite
     where a wing never gets there.
     """
+    rows = []
     angles = run.choose([-3, -2, -1, 0, 1, 2, 5, 10, 20], [0, 5])
     locks = run.choose(steps(0.3, 2.7, 0.1), [1.0, 2.0])
-    rows = []
-    for name, problem in (
-        ("wing", uqfold.problems.folding_wing_random_lengths()),
-        ("example-3", uqfold.problems.folding_wing()),
-    ):
-        ideal = problem.low_fidelity
-        for angle in angles:
-            for lock in locks:
-                pose = {"theta_1_initial": math.radians(angle), "x_lock": lock}
-                try:
-                    wing = ideal.parameters.replace(**pose)
-                except ValueError:
-                    # no such wing: the slider starts ahead of its lock, or the arms are too short
-                    continue
-                time = replace(ideal, parameters=wing)(problem.inputs.means[None, :])
-                rows.append((name, float(angle), lock, float(time[0])))
+    problems = {
+        "wing": uqfold.problems.folding_wing_random_lengths(),
+        "example-3": uqfold.problems.folding_wing(),
+    }
+    for name, angle, lock in product(problems, angles, locks):
+        ideal, means = problems[name].low_fidelity, problems[name].inputs.means
+        try:
+            wing = ideal.parameters.replace(theta_1_initial=math.radians(angle), x_lock=lock)
+        except ValueError:
+            # no such wing: the slider starts ahead of its lock, or the arms are too short
+            continue
+        time = replace(ideal, parameters=wing)(means[None, :])
+        rows.append((name, float(angle), lock, float(time[0])))
     return pd.DataFrame(rows, columns=["problem", "theta_1_initial", "x_lock", "time"])
 
 

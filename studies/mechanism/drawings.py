@@ -1,16 +1,18 @@
 """Drawings of one folding wing: poses, joints, and the deployment as an animated picture."""
 
-from collections.abc import Mapping, Sequence
-from html import escape
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from jinja2 import Template
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 CRANK, ROD, SLIDER = "#0072B2", "#D55E00", "#009E73"
 JOINTS = (("B", "joint B, crank and rod", CRANK), ("C", "joint C, rod and slider", ROD))
+TEMPLATE = Path(__file__).parent / "animation.svg.jinja"
 FIRST_IMPACTS = (0.010, 0.040)
 """Stretch (s) in which the contacts are told apart."""
 LEAST_FORCE = 10.0
@@ -133,82 +135,28 @@ def clearance(table: pd.DataFrame, joint: str) -> float:
     return float(distance[i] - table[f"penetration_{joint}"][i])
 
 
-class Film:
-    """The motion at equal steps of time, then standing still, as animated parts of an SVG picture.
+def animation(table: pd.DataFrame, slowdown: float = 12.0, frames: int = 400) -> str:
+    """Return the deployment as an animated SVG picture, each joint magnified beside it.
 
-    Animation is that of SVG itself (SMIL): no script, and it moves where it is shown as an image.
-    A program that knows no animation shows the pose halfway.
+    The motion at equal steps of time, `slowdown` times slower, then standing still.
     """
+    end = float(table["time"].iloc[-1])
+    time = np.append(np.linspace(0.0, end, frames), np.full(round(0.15 * frames), end))
 
-    def __init__(self, table: pd.DataFrame, slowdown: float, frames: int = 400) -> None:
-        self.table, self.end = table, float(table["time"].iloc[-1])
-        still = np.full(round(0.15 * frames), self.end)
-        self.time = np.concatenate([np.linspace(0.0, self.end, frames), still])
-        self.seconds = slowdown * self.end / (frames - 1) * (self.time.size - 1)
+    def placed(name: str, offset: float, scale: float) -> np.ndarray:
+        return offset + scale * np.interp(time, table["time"], table[name])
 
-    def column(self, name: str, offset: float, scale: float) -> np.ndarray:
-        """Return a column at the frames, moved into the picture."""
-        return offset + scale * np.interp(self.time, self.table["time"], self.table[name])
-
-    def part(self, tag: str, moving: Mapping[str, np.ndarray], fixed: str, inner: str = "") -> str:
-        """Return an element some of whose attributes move."""
-        middle = self.time.size // 2
-        still = " ".join(f'{name}="{values[middle]:.2f}"' for name, values in moving.items())
-        for name, values in moving.items():
-            if np.ptp(values) >= 0.01:
-                listed = ";".join(f"{value:.2f}" for value in values)
-                inner += (
-                    f'<animate attributeName="{name}" dur="{self.seconds:.3f}s" '
-                    f'repeatCount="indefinite" values="{listed}"/>'
-                )
-        return f"<{tag} {still} {fixed}>{inner}</{tag}>"
-
-
-def animation(table: pd.DataFrame, slowdown: float = 12.0) -> str:
-    """Return the deployment as an animated SVG picture, each joint magnified beside it."""
-    film, scale, (x_A, y_A) = Film(table, slowdown), 270.0, (40.0, 375.0)
-    x_B, y_B = film.column("x_B", x_A, scale), film.column("y_B", y_A, -scale)
-    x_C, y_C = film.column("x_C", x_A, scale), film.column("y_C", y_A, -scale)
-    ground, bar = y_C[0] + 9.0, 'stroke-width="6" stroke-linecap="round"'
-    parts = [
-        '<rect width="760" height="430" fill="white"/>',
-        f'<line x1="8" y1="{ground:g}" x2="480" y2="{ground:g}" stroke="#999999"/>',
-        film.part("line", {"x2": x_B, "y2": y_B}, f'x1="40" y1="375" stroke="{CRANK}" {bar}'),
-        film.part(
-            "line", {"x1": x_C, "y1": y_C, "x2": x_B, "y2": y_B}, f'stroke="{ROD}" {bar}'
-        ),
-        film.part(
-            "rect", {"x": x_C - 11.0},
-            f'y="{y_C[0] - 9.0:g}" width="22" height="18" fill="{SLIDER}"',
-        ),
-        f'<circle cx="{x_A:g}" cy="{y_A:g}" r="5"/>',
-        _text(x_A, y_A - 12.0, "A"),
-        film.part("text", {"x": x_B + 8.0, "y": y_B - 6.0}, "", "B"),
-        film.part("text", {"x": x_C - 5.0, "y": y_C + 26.0}, "", "C"),
-        '<rect x="500" y="375" width="240" height="8" fill="#E6E6E6"/>',
-        film.part(
-            "rect", {"width": 240.0 * film.time / film.end},
-            'x="500" y="375" height="8" fill="#444444"',
-        ),
-        _text(620.0, 365.0, f"0 to {film.end:.3f} s, {slowdown:g} times slower"),
-    ]  # fmt: skip
+    joints = []
     for k, (joint, name, color) in enumerate(JOINTS):
-        x, y, radius, gap = 640.0, 95.0 + 150.0 * k, 44.0, clearance(table, joint)
-        e_x = film.column(f"e_{joint}_x", x, radius / gap)
-        e_y = film.column(f"e_{joint}_y", y, -radius / gap)
-        parts += [
-            f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="#F4F4F4" stroke="#666666"/>',
-            film.part("circle", {"cx": e_x, "cy": e_y}, f'r="6" fill="{color}"'),
-            _text(x, y - radius - 12.0, name),
-            _text(x, y + radius + 18.0, f"clearance {1e3 * gap:.3g} mm"),
-        ]
-    body = "\n".join(parts)
-    return (
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 760 430" width="760" height="430" '
-        'font-family="DejaVu Sans, Arial, sans-serif" font-size="13">\n'
-        f"<title>Deployment of one folding wing</title>\n{body}\n</svg>\n"
-    )
-
-
-def _text(x: float, y: float, words: str) -> str:
-    return f'<text x="{x:g}" y="{y:g}" text-anchor="middle">{escape(words)}</text>'
+        x, y, radius, gap = 640, 95 + 150 * k, 44, clearance(table, joint)
+        joints.append({
+            "x": x, "y": y, "radius": radius, "name": name, "color": color,
+            "clearance": f"{1e3 * gap:.3g}", "e_x": placed(f"e_{joint}_x", x, radius / gap),
+            "e_y": placed(f"e_{joint}_y", y, -radius / gap),
+        })  # fmt: skip
+    return Template(TEMPLATE.read_text(encoding="utf-8"), autoescape=True).render(
+        x_B=placed("x_B", 40.0, 270.0), y_B=placed("y_B", 375.0, -270.0),
+        x_C=placed("x_C", 40.0, 270.0), y_C=placed("y_C", 375.0, -270.0),
+        progress=240.0 * time / end, joints=joints, end=end, slowdown=slowdown,
+        seconds=slowdown * end / (frames - 1) * (time.size - 1),
+    )  # fmt: skip

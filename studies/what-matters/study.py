@@ -70,14 +70,13 @@ def keep(run: Run, name: str, label: str, found: Any) -> None:
 def agreement(frame: pd.DataFrame, value: str, error: str) -> pd.DataFrame:
     """Set two ways to the same number beside each other: do they agree?"""
     keys = [name for name in ("input", "moment", "order", "threshold", "tau") if name in frame]
-    label, other = frame["label"].unique()
-    first, second = (frame.loc[frame["label"] == one, [*keys, value, error]]
-                     for one in (label, other))  # fmt: skip
+    (label, first), (other, second) = (
+        (label, rows[[*keys, value, error]]) for label, rows in frame.groupby("label", sort=False)
+    )
     both = first.merge(second, "left", keys, suffixes=("", "_2"))
     table = both[keys].copy()
     for name, end in ((label, ""), (other, "_2")):
-        pairs = zip(both[f"{value}{end}"], both[f"{error}{end}"], strict=True)
-        table[name] = [with_error(*pair) for pair in pairs]
+        table[name] = both[value + end].combine(both[error + end], with_error)
     joint = both[error].combine(both[f"{error}_2"], math.hypot).where(lambda one: one > 0.0)
     table["apart, in std. errors"] = (both[value] - both[f"{value}_2"]).abs() / joint
     return table
@@ -135,11 +134,9 @@ def page(run: Run) -> "uqfold.report.Page":
             name=f"derivatives-{words.replace(' ', '-')}",
         )
     over = plots.derivatives_over_threshold
+    moments = [partial(over, moment="mean"), partial(over, moment="standard deviation")]
     page.figure(
-        by_tau(
-            run.rows("on-surface", missions="1"),
-            [partial(over, moment="mean"), partial(over, moment="standard deviation")],
-        ),
+        by_tau(run.rows("on-surface", missions="1"), moments),
         "From the body into the tail, one mission, on the surface",
         name="derivatives-over-threshold",
     )

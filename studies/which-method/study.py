@@ -138,22 +138,21 @@ def ranking(summary: pd.DataFrame) -> pd.DataFrame:
     worst = (" (worst " + found["worst"].map(percent) + ")").where(found["worst"] > found["median"])
     found["text"] = found["label"] + " " + found["median"].map(percent) + worst.fillna("")
     found["place"] = found.groupby(case).cumcount() + 1
-    best = found[found["place"] <= 3].reset_index()
-    best = best.pivot(index=[*case, "problems"], columns="place", values="text").add_suffix(".")
+    best = found[found["place"] <= 3].set_index(["problems", "place"], append=True)["text"]
+    best = best.unstack(fill_value="").add_suffix(".")
     best = best.sort_index(level=case, ascending=[True, False, True]).reset_index()
     best["synchronized"] = best["synchronized"].map({True: "yes", False: "no"})
     best["decade"] = best["decade"].map("1e{0}".format) + " to 1e" + (best["decade"] + 1).map(str)
     names = {"synchronized": "tau", "decade": "reference pf", "max_evals": "budget"}
-    return best.rename(columns=names).fillna("")
+    return best.rename(columns=names)
 
 
 def trust(summary: pd.DataFrame) -> pd.DataFrame:
     """Say of every method and budget how much it answers, how wrong it is, whether it knows."""
     groups = summary.assign(bias=summary["bias"].abs()).groupby(["label", "max_evals"], sort=False)
-    total = groups[["answers", "runs"]].sum()
     table = pd.DataFrame({
         "evaluations used": groups["n_evals"].mean().round(),
-        "answered": (total["answers"] / total["runs"]).map(percent),
+        "answered": (groups["answers"].sum() / groups["runs"].sum()).map(percent),
         "median |bias|": groups["bias"].median().map(percent),
         "median rms": groups["rms"].median().map(percent),
         "median efficiency": groups["efficiency"].median(),

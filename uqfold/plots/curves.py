@@ -210,9 +210,7 @@ def _draw(
         axes.fill_between(
             rows["threshold"], low, high, color=look.color, alpha=0.2, linewidth=0.0
         )  # fmt: skip
-    if quantity == "difference":
-        axes.axhline(0.0, color="black", linewidth=0.6)
-    else:
+    if quantity in ("reliability", "pf"):
         _draw_reference(axes, rows[rows["label"] != check], quantity)
     # points with intervals of their own are not joined
     stated = rows["low"].notna()
@@ -258,6 +256,7 @@ def _limit(axes: Axes, quantity: str, shown: pd.DataFrame, check: str | None) ->
         # over at least two decades
         percent_axis(axes, SMALLEST_ERROR, max(1.5 * shown["error"].max(), 1.5e-2))
     else:
+        axes.axhline(0.0, color="black", linewidth=0.6)
         axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2), useMathText=True)
         if "band" not in shown:
             # long bars are cut off: they must not flatten the curves
