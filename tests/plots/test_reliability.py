@@ -39,7 +39,7 @@ PARTS = ("reliability", "pf", "difference")
 
 def draw(*frames: pd.DataFrame, parts: Any = PARTS, **options: Any) -> Any:
     chosen = {"curves": "missions", "check": "simulation", **options}
-    return plots.reliability_panels(list(frames or (CURVES, MARKS)), parts, **chosen)
+    return plots.reliability_panels(pd.concat(frames or (CURVES, MARKS)), parts, **chosen)
 
 
 def curves(axes: Any) -> list[np.ndarray]:

@@ -2,11 +2,11 @@ from uqfold.plots.budgets import benchmark_panels as benchmark_panels
 from uqfold.plots.comparison_figure import comparison as comparison
 from uqfold.plots.curves import reliability_panels as reliability_panels
 from uqfold.plots.dependence import independence_panels as independence_panels
-from uqfold.plots.designs import design as design
 from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
 from uqfold.plots.points_figure import points as points
 from uqfold.plots.saving import save as save
-from uqfold.plots.sensitivity import (
+from uqfold.plots.analyses import (
+    design as design,
     derivatives as derivatives,
     derivatives_over_threshold as derivatives_over_threshold,
     sobol as sobol,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import refused, several, whole
 from uqfold.plots.panels import draw_judged, key, legend_below, mark, percent_axis
-from uqfold.plots.rows import distinct, having, joined
+from uqfold.plots.rows import checked, distinct, having
 from uqfold.plots.style import SOFT_COLOR, MethodStyle, figure_settings, method_styles
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def benchmark_panels(summary: pd.DataFrame, decades: Sequence[int]) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    frame = joined(summary, NEEDS, "summary")
+    frame = checked("summary", summary, NEEDS)
     decades = list(several("decades", decades, whole))
     frame = frame[frame["decade"].isin(decades) & (frame["answers"] > 0)]
     if frame.empty:

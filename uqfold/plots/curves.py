@@ -13,7 +13,7 @@ import numpy as np
 
 from uqfold.checks import choice, instance, or_none, refused, several, text
 from uqfold.plots.panels import draw_judged, key, legend_below, mark, percent_axis, stacked
-from uqfold.plots.rows import distinct, having, joined, response_of, threshold_label, value_text
+from uqfold.plots.rows import checked, distinct, having, response_of, threshold_label, value_text
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from uqfold.plots.rows import Frames
 
     Looks: TypeAlias = Mapping[tuple[Any, Any], MethodStyle]
 
@@ -61,7 +59,7 @@ _HOLLOW: Any = {"markerfacecolor": "white", "markersize": 4.2, "markeredgewidth"
 
 @figure_settings()
 def reliability_panels(
-    frame: Frames,
+    frame: pd.DataFrame,
     quantities: Sequence[Quantity] = ("reliability", "pf"),
     *,
     curves: str | None = None,
@@ -74,7 +72,7 @@ def reliability_panels(
     Parameters
     ----------
     frame
-        What `uqfold.compare` returned, or several of these; of one problem, or of two.
+        What `uqfold.compare` returned, of one problem, or of two (`pandas.concat` joins frames).
     quantities
         What to draw, from top to bottom: ``reliability``; ``pf`` on a logarithmic axis; ``error``
         of Eq. (49) against the reference, hollow where the reference cannot judge it;
@@ -102,7 +100,8 @@ def reliability_panels(
 
     if not (quantities := several("quantities", quantities, choice, get_args(Quantity))):
         raise refused("quantities", quantities, "give one or more")
-    rows = joined(frame, NEEDS).sort_values("threshold", kind="stable")
+    rows = checked("frame", frame, NEEDS)
+    rows = rows.sort_values("threshold", kind="stable", ignore_index=True)
     for name, column in (("curves", curves), ("panels", panels)):
         or_none(name, column, choice, rows.columns)
     or_none("check", check, text)

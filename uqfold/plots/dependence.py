@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from uqfold.plots.curves import limit_pf
 from uqfold.plots.panels import key, legend_below, mark, stacked
-from uqfold.plots.rows import distinct, having, joined, threshold_label, value_text
+from uqfold.plots.rows import checked, distinct, having, threshold_label, value_text
 from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles, shades
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def independence_panels(table: pd.DataFrame) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    frame = joined(table, NEEDS, "table").sort_values("threshold", kind="stable")
+    frame = checked("table", table, NEEDS).sort_values("threshold", kind="stable")
     label = str(frame["label"].iloc[0]) if "label" in frame else "ffni-spa"
     numbers = sorted(distinct(frame, "units"))
     looks = shades(method_styles([label])[label], len(numbers), own_markers=True)

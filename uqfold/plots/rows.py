@@ -5,44 +5,28 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import instance, listed, refused
+from uqfold.checks import instance, refused
 from uqfold.plots.style import HEADER
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    Frames: TypeAlias = pd.DataFrame | Sequence[pd.DataFrame]
-
 _BINOMIAL = re.compile(r"binomial\((\d+), (.+)\)")
 
 
-def joined(frames: Frames, needs: Sequence[str], name: str = "frame") -> pd.DataFrame:
-    """Return the rows of one or several frames, one after the other, with the first one's attrs.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there is no row, or a frame lacks a column that the figure needs.
-    """
+def checked(name: str, frame: object, needs: Sequence[str]) -> pd.DataFrame:
+    """Return a frame that has rows and the columns that a figure needs, or raise."""
     import pandas as pd
 
-    given: list[pd.DataFrame] = (
-        [frames]
-        if isinstance(frames, pd.DataFrame)
-        else list(listed(name, frames, what="DataFrame, or a list of them"))
-    )
-    for frame in given:
-        instance(name, frame, pd.DataFrame, "give a DataFrame, or a list of them")
-        missing = [column for column in needs if column not in frame.columns]
-        if missing:
-            raise refused(name, list(frame.columns), f"it has no column {missing[0]!r}")
-    if not any(len(frame) for frame in given):
-        raise refused(name, frames, "it has no row to draw")
-    whole = given[0] if len(given) == 1 else pd.concat(given, ignore_index=True)
-    whole.attrs = given[0].attrs
-    return whole
+    table: pd.DataFrame = instance(name, frame, pd.DataFrame, "give a DataFrame")
+    missing = [column for column in needs if column not in table.columns]
+    if missing:
+        raise refused(name, list(table.columns), f"it has no column {missing[0]!r}")
+    if table.empty:
+        raise refused(name, table, "it has no row to draw")
+    return table
 
 
 def distinct(frame: pd.DataFrame, column: str | None) -> list[Any]:
@@ -74,14 +58,11 @@ def threshold_label(frame: pd.DataFrame) -> str:
 
 def value_text(column: str, value: Any, unit: str) -> str:
     """Write one value of a column as figures call it, for instance ``τ = 0.04 s``."""
-    if column == "missions":
-        match = _BINOMIAL.fullmatch(str(value))
-        return f"$N_t$ = {match[1]}, $p_m$ = {match[2]}" if match else f"$m$ = {value}"
     if value is None:
         return "no $\\tau$" if column == "tau" else "none"
-    symbol = {"tau": "$\\tau$", "threshold": "$T$"}.get(column)
-    if symbol is not None:
-        return f"{symbol} = {value:g} {unit}".strip()
-    if column == "units":
-        return f"$n$ = {value}"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if binomial := _BINOMIAL.fullmatch(str(value)):
+        return f"$N_t$ = {binomial[1]}, $p_m$ = {binomial[2]}"
+    written = f"{value:g}" if isinstance(value, float) else str(value)
+    symbol = {"tau": "\\tau", "threshold": "T", "missions": "m", "units": "n"}.get(column)
+    with_unit = f"{written} {unit}".strip() if column in ("tau", "threshold") else written
+    return with_unit if symbol is None else f"${symbol}$ = {with_unit}"

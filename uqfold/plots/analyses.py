@@ -1,4 +1,4 @@
-"""What matters: Sobol' indices, and derivatives of pf.
+"""Analyses: Sobol' indices, derivatives of pf, and designs for a target.
 
 Two ways to the same number stand side by side, each in the colour of its method and with its
 interval, so that a reader sees whether they agree.
@@ -6,30 +6,47 @@ interval, so that a reader sees whether they agree.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uqfold.checks import choice
-from uqfold.plots.panels import axes_or_new, draw_rows, mark
-from uqfold.plots.rows import distinct, having, joined, response_of
-from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles
+from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below, mark
+from uqfold.plots.rows import checked, distinct, having, response_of, value_text
+from uqfold.plots.style import (
+    COLUMN_INCHES,
+    REFERENCE_LINE,
+    SOFT_COLOR,
+    figure_settings,
+    method_styles,
+)
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
-
-    from uqfold.plots.rows import Frames
+    from matplotlib.figure import Figure
 
 ROW_INCHES = 0.3
 REACH = 1.96
 """Standard errors in an interval on either side."""
 SMALLEST_INDEX = 1e-6
 MOMENTS = {"mean": "mean", "standard deviation": "std. dev."}
+PLACES = ("value", "safe")
+"""Of a design: what meets the target best, and what meets it surely."""
 DERIVATIVE_NEEDS = ("input", "moment", "threshold", "per_std", "per_std_error")
 
 
+DESIGN_NEEDS = (
+    "label", "parameter", "unit", "threshold", "tau", "missions", "seek", "status", "target_pf",
+    "value", "low", "high",
+    *(f"{place}_{name}" for place in PLACES for name in ("pf", "ci_low", "ci_high")),
+)  # fmt: skip
+
+
 @figure_settings()
-def sobol(table: Frames, ax: Axes | None = None) -> Axes:
+def sobol(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Draw main (filled) and total (hollow) Sobol' indices of every input, logarithmic.
 
     Parameters
@@ -44,7 +61,7 @@ def sobol(table: Frames, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(table, ("label", "input", "order", "index", "ci_low", "ci_high"), "table")
+    frame = checked("table", table, ("label", "input", "order", "index", "ci_low", "ci_high"))
     low = frame["ci_low"].clip(lower=SMALLEST_INDEX)
     frame = frame.assign(
         row=frame["input"], series=frame["label"] + ", " + frame["order"], low=low,
@@ -63,7 +80,7 @@ def sobol(table: Frames, ax: Axes | None = None) -> Axes:
 
 
 @figure_settings()
-def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
+def derivatives(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Draw relative changes of pf per standard deviation of every input, method beside method.
 
     Parameters
@@ -78,7 +95,7 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = joined(table, DERIVATIVE_NEEDS, "table")
+    frame = checked("table", table, DERIVATIVE_NEEDS)
     value, half = frame["per_std"], REACH * frame["per_std_error"]
     frame = frame.assign(
         row=frame["input"] + ", " + frame["moment"].map(MOMENTS),
@@ -97,7 +114,7 @@ def derivatives(table: Frames, ax: Axes | None = None) -> Axes:
 
 
 @figure_settings()
-def derivatives_over_threshold(table: Frames, moment: str, ax: Axes | None = None) -> Axes:
+def derivatives_over_threshold(table: pd.DataFrame, moment: str, ax: Axes | None = None) -> Axes:
     """Draw relative changes of pf per standard deviation over T, one curve per input.
 
     Parameters
@@ -114,7 +131,7 @@ def derivatives_over_threshold(table: Frames, moment: str, ax: Axes | None = Non
     matplotlib.axes.Axes
     """
     choice("moment", moment, MOMENTS)
-    frame = having(joined(table, DERIVATIVE_NEEDS, "table"), "moment", moment)
+    frame = having(checked("table", table, DERIVATIVE_NEEDS), "moment", moment)
     axes = axes_or_new(ax)
     axes.axhline(0.0, color=SOFT_COLOR, linewidth=0.8)
     for name, look in method_styles(distinct(frame, "input")).items():
@@ -127,3 +144,75 @@ def derivatives_over_threshold(table: Frames, moment: str, ax: Axes | None = Non
     axes.set_xlabel(f"threshold $T${f' ({unit})' if unit else ''}")
     axes.set_ylabel(f"relative change of pf\nby the {moment}")
     return axes
+
+
+@figure_settings()
+def design(table: pd.DataFrame) -> Figure:
+    """Draw design values with intervals, and pf by simulation at the value and at the safe value.
+
+    Parameters
+    ----------
+    table
+        One row per design: what `uqfold.analysis.designs_to_frame` returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    frame = checked("table", table, DESIGN_NEEDS)
+    frame = frame.assign(
+        row=[case_text(row, response_of(frame)[1]) for row in frame.to_dict("records")],
+        series=frame["label"],
+    )
+    rows, styles = distinct(frame, "row"), method_styles(distinct(frame, "label"))
+    size = (2.0 * COLUMN_INCHES, 0.8 + 0.36 * len(rows))
+    figure = Figure(figsize=size, layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
+    draw_rows(left, frame, styles)
+    simulated = pd.concat([
+        frame.assign(
+            series=frame["label"] + ", " + place, value=frame[f"{place}_pf"],
+            low=frame[f"{place}_ci_low"], high=frame[f"{place}_ci_high"],
+        )
+        for place in PLACES
+    ])  # fmt: skip
+    looks = {f"{label}, {place}": look for label, look in styles.items() for place in PLACES}
+    draw_rows(right, simulated, looks, hollow=", value")
+    for i, name in enumerate(rows):
+        own = having(frame, "row", name)
+        if own["value"].isna().all():
+            left.annotate(
+                ", ".join(own["status"].unique()), (0.02, i), va="center", color=SOFT_COLOR,
+                fontsize=8.5, xycoords=("axes fraction", "data"),
+            )  # fmt: skip
+    first = frame.iloc[0]
+    left.set_xlabel(f"{first['seek']} {first['parameter']} ({first['unit']})")
+    right.set_xlabel("pf of the real model")
+    for target in frame["target_pf"].unique():
+        right.axvline(target, **REFERENCE_LINE)
+    # long intervals of few failures do not squeeze the rest
+    right.set_xlim(0.0, 2.5 * float(frame["target_pf"].max()))
+    right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 2))
+    handles = [
+        key(f"{label}, 95 %", marker=look.marker, color=look.color)
+        for label, look in styles.items()
+    ]
+    handles += [
+        mark("simulated at the value", hollow=True, color=SOFT_COLOR),
+        mark("simulated at the safe value", color=SOFT_COLOR),
+        key("target", **REFERENCE_LINE),
+    ]
+    legend_below(figure, handles)
+    return figure
+
+
+def case_text(row: Mapping[Any, Any], unit: str) -> str:
+    """Return the criterion of a row in words; NaN as threshold is one that is designed."""
+    tau = None if math.isnan(row["tau"]) else row["tau"]
+    words = [value_text("tau", tau, unit), value_text("missions", row["missions"], "")]
+    if not math.isnan(row["threshold"]):
+        words.insert(0, value_text("threshold", row["threshold"], unit))
+    return ", ".join(words)
