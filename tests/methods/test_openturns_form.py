@@ -324,7 +324,7 @@ class TestCost:
         assert details.n_evals_start == 7
         assert result.n_evals == 7 + sum(p.n_evals for p in details.design_points)
         # a linear response: per threshold two gradients and both looks, no more
-        assert all(p.n_evals <= 7 + 7 + 4 * 3 + 35 for p in details.design_points)
+        assert all(p.n_evals <= 7 + 7 + 4 * 3 + 85 for p in details.design_points)
 
     @pytest.mark.parametrize("budget", [*range(1, 30), 40, 60, 80, 100])
     def test_budget_is_kept(self, budget: int) -> None:
@@ -501,6 +501,13 @@ def test_a_second_design_point_off_the_axes_is_named(second, status: str) -> Non
     if status == "doubtful":
         both = float(re.findall(r"second order ([\d.e+-]+)", row.message)[0])
         assert both == pytest.approx(ndtr(-3.0) + ndtr(-3.1), rel=0.05)
+
+
+def test_a_bend_between_all_directions_looked_at_is_seen() -> None:
+    """Straight in every tangent direction, 15 percent more failures: only drawn points see it."""
+    along, across = np.full(4, 0.5), np.array([1.0, 2.0, -2.0, -1.0]) / math.sqrt(10.0)
+    problem = limit_state(lambda x: 3.0 - x @ along - np.maximum(0.0, x @ across - 1.8), 4)
+    assert FORM.estimate(problem)[0].status == "doubtful"
 
 
 def test_a_far_second_domain_is_part_of_the_stated_error() -> None:

@@ -136,6 +136,8 @@ class SecondLook:
         The sizes of what the main curvatures change, summed.
     place
         What is changed by the limit state's distance from the point and its slant there.
+    sampled
+        Change that points drawn on the point's plane show, and its standard error.
     elsewhere
         Share of failures that begin on other rays than the point's, but further out.
     """
@@ -143,6 +145,7 @@ class SecondLook:
     second_order: float
     curvature: float
     place: float
+    sampled: float
     elsewhere: float
 
 

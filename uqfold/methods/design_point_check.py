@@ -34,6 +34,8 @@ FEW = 9
 """Tangent directions up to which every pair of them is looked at."""
 PROBES = 6
 """Mixtures of all tangent directions that stand for the pairs of more than `FEW`."""
+DRAWN = 50
+"""Points of the plane that are drawn, to see what lies between the directions looked at."""
 RANDOM_RAYS = 4
 """Rays that are drawn, at right angles to the design point, beside the axes."""
 EXPECTED = 0.9
@@ -102,7 +104,8 @@ class Surroundings:
     def second_look(self) -> SecondLook:
         """Look along the normal and in every tangent direction.
 
-        Takes 3 + 4 (d - 1) runs, and (d - 1) (d - 2) more up to ten inputs, twelve beyond.
+        Takes 53 + 4 (d - 1) runs, and (d - 1) (d - 2) more up to ten inputs, twelve beyond; and
+        2 d + 5 further out.
 
         Raises
         ------
@@ -111,7 +114,7 @@ class Surroundings:
         """
         room = SEARCH_RADIUS**2 - self.radius**2
         if room < 0.01:
-            return SecondLook(1.0, 0.0, math.inf, 0.0)
+            return SecondLook(1.0, 0.0, math.inf, 0.0, 0.0)
         tangents = np.linalg.qr(self.towards[:, None], mode="complete")[0][:, 1:].T
         far = min(FAR_OUT, math.sqrt(room))
         near = far / FAR_OUT
@@ -122,13 +125,14 @@ class Surroundings:
             slant = np.maximum(odd**2, 0.5 * odd_far**2).sum()
             mixed, hidden = self._mixed(tangents, bend, near)
         if not np.isfinite([place, slant, hidden, *bend, *bend_far, *mixed.ravel()]).all():
-            return SecondLook(1.0, 0.0, math.inf, 0.0)
+            return SecondLook(1.0, 0.0, math.inf, 0.0, 0.0)
         orders = [_second_order(np.diag(main) + mixed, self.rate) for main in (bend, bend_far)]
         unknown = self.rate**2 * hidden
         return SecondLook(
             second_order=math.exp(max((net + unknown for net, _ in orders), key=abs)),
             curvature=max(sizes for _, sizes in orders) + unknown,
             place=self.rate * place + 0.5 * self.rate**2 * float(slant),
+            sampled=self._sampled(),
             elsewhere=self._elsewhere(),
         )
 
@@ -141,6 +145,18 @@ class Surroundings:
         if not 0.5 < slope < 2.0:
             return math.inf
         return float((abs(here) + 0.5 * abs(ahead + back - 2.0 * here)) / slope)
+
+    def _sampled(self) -> float:
+        """Return by how much points drawn on the plane differ from it, with the error of that."""
+        from scipy.special import log_ndtr
+
+        drawn = np.random.default_rng(0).normal(size=(DRAWN, self.towards.size))
+        drawn -= np.outer(drawn @ self.towards, self.towards)
+        longest = math.sqrt(SEARCH_RADIUS**2 - self.radius**2)
+        drawn *= np.minimum(1.0, longest / (np.linalg.norm(drawn, axis=1, keepdims=True) + 1e-12))
+        distances = self.radius - self.margin(self.radius * self.towards + drawn)
+        shares = np.exp(log_ndtr(-distances) - log_ndtr(-self.radius))
+        return float(abs(shares.mean() - 1.0) + shares.std() / math.sqrt(DRAWN))
 
     def _mixed(
         self, tangents: FloatArray, bend: FloatArray, length: float
@@ -266,6 +282,7 @@ def with_error(
     curved = look.curvature
     if problem.n_units == 1 and missions == 1:
         curved = min(curved, abs(math.log(look.second_order)) + CANCELLED * curved)
+    curved = max(curved, look.sampled)
     total = LEAST + curved + look.place + others
     error = max(distance(changed(total)), distance(changed(-total)))
     error += distance(system(beta, shared_at_start))
