@@ -13,8 +13,9 @@ from scipy.integrate import quad
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from uqfold import CutSets, KOutOfN, Parallel, PathSets, Problem, Series, Structure
+from uqfold import Criterion, CutSets, KOutOfN, Parallel, PathSets, Problem, Series, Structure
 from uqfold.inputs import normal
+from uqfold.methods import OpenTURNSFORM
 from uqfold.system.linearised import linearised_failure
 from uqfold.system.structure import SystemUnits, diagram
 from uqfold.testing.linear_normal import _works
@@ -157,3 +158,23 @@ def test_a_structure_names_units_of_the_problem() -> None:
     assert SystemUnits.of(problem("u1 | u0")).count == 2
     with pytest.raises(ValueError, match="u2 is the name of 0 units; there are u0, u1"):
         problem("u0 | u2")
+
+
+def test_the_error_of_form_is_that_of_the_structure() -> None:
+    """What the surroundings of the design point may change went through a series of the units."""
+    problem = Problem(
+        lambda x: 0.2 * x[:, 0] + 0.9 * x[:, 1],
+        shared={"V": normal(0, 1)},
+        individual={"U": normal(0, 1)},
+        units=4,
+        structure=Parallel(),
+    )
+    row = OpenTURNSFORM().estimate(problem, Criterion(2.0), rng=1)[0]
+
+    def integrand(v: float) -> float:
+        return float(ndtr((0.2 * v - 2.0) / 0.9)) ** 4 * math.exp(-0.5 * v * v)
+
+    exact = quad(integrand, -9.0, 9.0, epsabs=0.0, epsrel=1e-11)[0] / math.sqrt(2.0 * math.pi)
+    assert row.pf == pytest.approx(exact, rel=1e-8)
+    assert row.status == "converged"
+    assert 0.0 < row.std_error < 0.02 * exact

@@ -23,6 +23,7 @@ from uqfold.methods.standard_space import (
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Missions
 from uqfold.system.linearised import linearised_failure
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 FAR_OUT = math.sqrt(3.0)
@@ -266,8 +267,10 @@ def with_error(
     )
     others = max(found, look.elsewhere)
 
+    units = SystemUnits.of(problem)
+
     def system(index: float, correlation: float) -> tuple[float, float]:
-        return linearised_failure(index, correlation, problem.n_units, missions)
+        return linearised_failure(index, correlation, units, missions)
 
     def changed(log_factor: float) -> tuple[float, float]:
         index = -float(ndtri_exp(min(log_small + log_factor, -1e-3)))
