@@ -367,8 +367,22 @@ def test_stability_needs_steps_and_certainty() -> None:
     assert not Stability(0.01, [certain, certain, other]).reached
     assert not Stability(0.01, [other, certain, certain]).reached
     assert Stability(0.01, [other, certain, certain, certain]).reached
+    # the largest move of the last two steps, not the last one alone
+    moved = Stability(0.01, [other, certain, certain]).moved
+    np.testing.assert_array_equal(moved, certain.moved_since(other))
     # a shift by 0.1 of a response with gradient of about 1.2
     assert other.moved_since(certain)[0] == pytest.approx(0.1 / 1.15, rel=0.15)
+
+
+def test_the_stated_error_contains_how_far_the_answers_have_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A posterior that looks certain by chance stops the learning; what moved shows its error."""
+    monkeypatch.setattr(Stability, "moved", np.array([0.03]))
+    problem = LinearNormalSystem().problem()
+    row = ActiveKriging(runs=20).estimate(problem, criteria(11.0), rng=1)[0]
+    density = float(stats.norm.pdf(row.beta))
+    assert row.std_error == pytest.approx(0.03 * density, rel=0.2)
 
 
 def test_a_surface_too_coarse_for_the_threshold_is_no_answer() -> None:

@@ -304,7 +304,9 @@ class ActiveKriging(SequentialMethod):
         """Answer from what was learned of `runs`, and tell how far the error is from its target.
 
         The `last` runs, of a check that has passed or not learned from in time, do not belong to
-        the surface; those that no surface describes speak against it all the same.
+        the surface; those that no surface describes speak against it all the same. Learning stops
+        where the posterior looks certain, which is also where it is by chance: so the stated error
+        contains how far the answers have moved in the last steps.
         """
         new, met = last
         view = stability.views[-1]
@@ -322,7 +324,9 @@ class ActiveKriging(SequentialMethod):
             noise=surface.noise_std,
             rivals=_rivals(task, surface, checks),
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
-            beta_std=max(1.0, *trust) * view.question.for_all(view.beta_std),
+            beta_std=view.question.for_all(
+                np.hypot(max(1.0, *trust) * view.beta_std, stability.moved)
+            ),
             stated_noise=self.noise,
         )  # fmt: skip
         estimates = [

@@ -55,9 +55,14 @@ class Stability:
         """Whether the answers are stable."""
         if len(self.views) <= _STEPS:
             return False
-        now = self.views[-1]
-        moved = max(now.moved_since(view).max() for view in self.views[-_STEPS - 1 : -1])
-        return bool(max(moved, now.beta_std.max()) <= self.tolerance)
+        return bool(max(self.moved.max(), self.views[-1].beta_std.max()) <= self.tolerance)
+
+    @property
+    def moved(self) -> FloatArray:
+        """How far the indices (C,) have moved over the last steps; zeros at the first of them."""
+        now, before = self.views[-1], self.views[-_STEPS - 1 : -1]
+        moves = [np.zeros(now.beta.size), *(now.moved_since(view) for view in before)]
+        return np.asarray(np.max(moves, axis=0))
 
     def unfinished(self, checks: Sequence[Check]) -> str:
         """Return why the loop ended before its end."""
