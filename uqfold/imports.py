@@ -50,6 +50,7 @@ class ImportSearch:
     places: dict[str, str] = field(default_factory=dict)
     texts: set[str] = field(default_factory=set)
     data: dict[Path, list[Path]] = field(default_factory=dict)
+    followed: set[str] = field(default_factory=set)
     every: bool = False
 
     def begin(self, source: str | Path | ModuleType | type) -> None:
@@ -82,11 +83,13 @@ class ImportSearch:
             self.found.add(path)
             own = parsed(path)
             outside = not path.is_relative_to(self.package)
-            for name in own.names:
+            # in the package a name means the same to every file
+            for name in own.names if outside else own.names - self.followed:
                 steps = name.split(".")
                 self.every |= outside and steps[-1] == EVERY
                 self.waiting += self._files(steps, path)
             if not outside:
+                self.followed |= own.names
                 self.waiting += self._data_files(path.parent, own.texts)
             self.places |= own.places
             self.texts |= own.texts
