@@ -147,7 +147,8 @@ class Pipeline:
         self._shelf = shelf
         self._in_doubt = in_doubt
         self._in_question: Batch | None = None
-        self._compare_from = 2
+        # responses that were told come once: no row of them can be run again
+        self._compare_from = 2 if in_doubt else math.inf
         self._any_good = False
 
     def batches(
