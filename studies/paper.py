@@ -14,8 +14,8 @@ from uqfold.report import Page
 FLOWN = uqfold.Binomial(10, 0.7)
 """Ten planned missions, each flown with probability 0.7: Examples 4 and 5."""
 FFNI = {
-    "ffni-spa": uqfold.methods.FFNISaddlepoint(),
-    "ffni-pearson": uqfold.methods.FFNIPearson(),
+    "ffni-spa": uqfold.methods.FFNISaddlepoint(check=False),
+    "ffni-pearson": uqfold.methods.FFNIPearson(check=False),
 }
 SIMULATION = uqfold.methods.ConditionalMonteCarlo(blocks=96)
 CHECKED = {**FFNI, "simulation": SIMULATION}

@@ -703,10 +703,12 @@ def calls(folder: Path) -> dict[str, Call]:
                 "nodes_individual": nodes,
                 "family": choice("normal"),
                 "rows": optional(count()),
+                "check": flag(),
             },
         ),
         "methods.FFNISaddlepoint": Call(
-            methods.FFNISaddlepoint, {"nodes_shared": nodes, "nodes_individual": nodes}
+            methods.FFNISaddlepoint,
+            {"nodes_shared": nodes, "nodes_individual": nodes, "check": flag()},
         ),
         "methods.Kriging": Call(
             methods.Kriging,

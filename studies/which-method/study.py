@@ -51,10 +51,10 @@ SIMPLE = {
     "conditional-mc": methods.ConditionalMonteCarlo(),
     "openturns-mc": methods.OpenTURNSMonteCarlo(),
     "openturns-form": methods.OpenTURNSFORM(starts=1),
-    "ffni-spa": methods.FFNISaddlepoint(),
-    "ffni-pearson": methods.FFNIPearson(),
-    "ffni-spa-fine": methods.FFNISaddlepoint(**FINE),
-    "ffni-pearson-fine": methods.FFNIPearson(**FINE),
+    "ffni-spa": methods.FFNISaddlepoint(check=False),
+    "ffni-pearson": methods.FFNIPearson(check=False),
+    "ffni-spa-fine": methods.FFNISaddlepoint(**FINE, check=False),
+    "ffni-pearson-fine": methods.FFNIPearson(**FINE, check=False),
 }
 SURROGATES = {
     "kriging": methods.Kriging(runs=1125),

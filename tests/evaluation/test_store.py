@@ -105,7 +105,7 @@ def test_reused_runs_count_against_the_budget(path: Path) -> None:
 def test_points_of_a_small_design_serve_another_method(path: Path) -> None:
     model = models.Counting()
     problem, evaluator = models.problem(model), Evaluator(store=path)
-    narrow = FFNIPearson(nodes_shared=3, nodes_individual=3)
+    narrow = FFNIPearson(nodes_shared=3, nodes_individual=3, check=False)
     wide = replace(narrow, nodes_individual=5)
     assert narrow.estimate(problem, ASKED, evaluator=evaluator)[0].n_reused == 0
     row = wide.estimate(problem, ASKED, evaluator=evaluator)[0]

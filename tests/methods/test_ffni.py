@@ -26,11 +26,14 @@ def relative_error(method: object, problem: Problem, criterion: Criterion) -> fl
     known = reference.lookup(criterion)
     assert known is not None
     row = method.estimate(problem, criterion)[0]  # type: ignore[attr-defined]
-    assert row.status == "unchecked"
-    return float(row.pf / known.pf - 1.0)
+    error = float(row.pf / known.pf - 1.0)
+    assert row.status == "doubtful" or abs(row.pf - known.pf) <= 3.0 * row.std_error
+    return error
 
 
-@pytest.mark.parametrize("method", [FFNISaddlepoint(), FFNIPearson()], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "method", [FFNISaddlepoint(check=False), FFNIPearson(check=False)], ids=lambda m: m.name
+)
 def test_default_designs_have_the_papers_sizes(method: FFNISaddlepoint | FFNIPearson) -> None:
     assert method.estimate(series(), criteria(2.0)).n_evals == 75
     assert method.estimate(four_bar(), criteria(101.0)).n_evals == 375
@@ -52,8 +55,9 @@ def test_saddlepoint_errors_on_example_1(threshold: float, error: float) -> None
 
 
 def test_converged_rules_do_not_save_the_saddlepoint_tail() -> None:
-    method = FFNISaddlepoint(nodes_shared=15, nodes_individual=9)
+    method = FFNISaddlepoint(nodes_shared=15, nodes_individual=9, check=False)
     assert method.estimate(series(), criteria(4.0)).n_evals == 1215
+    method = replace(method, check=True)
     assert relative_error(method, series(), Criterion(4.0)) == pytest.approx(0.12, abs=0.01)
     assert relative_error(method, series(), Criterion(6.0)) == pytest.approx(0.68, abs=0.01)
 
@@ -104,7 +108,7 @@ def test_saddlepoint_refuses_tau_before_any_work() -> None:
 
 
 def test_node_counts_per_variable() -> None:
-    method = FFNISaddlepoint(nodes_shared=(4,), nodes_individual=(5, 7))
+    method = FFNISaddlepoint(nodes_shared=(4,), nodes_individual=(5, 7), check=False)
     assert method.estimate(series(), criteria(2.0)).n_evals == 140
     wrong = FFNISaddlepoint(nodes_individual=(5, 5, 5)).estimate(series(), criteria(2.0))
     assert wrong[0].status == "failed"
@@ -123,9 +127,11 @@ def test_impossible_node_counts_are_refused(nodes: object) -> None:
 
 
 def test_numpy_node_counts_are_those_of_python() -> None:
-    method = FFNIPearson(nodes_shared=np.int64(5), nodes_individual=(np.int8(3), np.array(4)))  # type: ignore[arg-type]
-    assert method == FFNIPearson(nodes_shared=5, nodes_individual=(3, 4))
-    assert repr(method) == repr(FFNIPearson(nodes_shared=5, nodes_individual=(3, 4)))
+    few: dict[str, Any] = {"nodes_individual": (np.int8(3), np.array(4)), "check": False}
+    method = FFNIPearson(nodes_shared=np.int64(5), **few)  # type: ignore[arg-type]
+    same = FFNIPearson(nodes_shared=5, nodes_individual=(3, 4), check=False)
+    assert method == same
+    assert repr(method) == repr(same)
     assert method.estimate(series(), criteria(2.0)).n_evals == 60
 
 
@@ -144,7 +150,7 @@ def test_missing_saddlepoint_is_doubtful_and_the_fallback_answers() -> None:
         return np.tanh(1.5 * x[:, 0])
 
     problem = Problem(bounded, individual={"u": normal(0.0, 1.0)})
-    method = FFNISaddlepoint(nodes_individual=15)
+    method = FFNISaddlepoint(nodes_individual=15, check=False)
     inside, outside = method.estimate(problem, criteria([0.2, 0.99]))
     assert inside.status == "unchecked"
     assert outside.status == "doubtful"
@@ -225,7 +231,7 @@ def test_two_nodes_are_doubted_where_four_moments_are_used() -> None:
         assert row.status == "doubtful"
         assert "two nodes cannot tell the fourth moment" in row.message
     clean = FFNIPearson(nodes_individual=2, family="normal").estimate(problem, asked)[0]
-    assert clean.status == "unchecked"
+    assert clean.status == "converged"
 
 
 def test_few_sampled_rows_are_doubted() -> None:
@@ -300,3 +306,68 @@ def test_an_empty_list_of_nodes_is_refused_when_the_method_is_made(method: Any, 
     for empty in ([], ()):
         with pytest.raises(ValueError, match=rf"^{name} = .*: give a count for each input"):
             method(**{name: empty})
+
+
+TWENTY = LinearNormalSystem(units=20, mean=2.5, shared_std=0.6, individual_std=0.8)
+
+
+@pytest.mark.parametrize("method", [FFNISaddlepoint(), FFNIPearson()], ids=lambda m: m.name)
+def test_three_outer_nodes_are_doubted_where_they_err(method: Any) -> None:
+    """The verdict: +10 %, -17 %, -98 % off were given without a word; nine nodes are converged."""
+    asked = criteria([5.0, 6.0, 8.9])
+    found = method.estimate(TWENTY.problem(), asked)
+    assert [row.status for row in found] == ["doubtful"] * 3
+    assert "nodes over the shared inputs" in found[2].message
+    fine = replace(method, nodes_shared=15).estimate(TWENTY.problem(), asked[:2])
+    for criterion, row in zip(asked, fine, strict=False):
+        assert row.status == "converged"
+        assert abs(row.pf - TWENTY.pf(criterion)) <= 3.0 * row.std_error <= 0.3 * row.pf
+        assert row.ci_low < row.pf < row.ci_high
+
+
+def test_tails_of_example_1_are_doubted() -> None:
+    """+33 % at pf = 4e-5 and a factor 3.6 at 3e-7: other distributions say otherwise."""
+    found = FFNISaddlepoint().estimate(series(), criteria([2.0, 6.0, 8.0]))
+    assert [row.status for row in found] == ["converged", "doubtful", "doubtful"]
+    assert "distribution, pf changes by" in found[2].message
+
+
+def _rounded(x: FloatArray) -> FloatArray:
+    return np.round(2.0 * x.sum(axis=1)) / 2.0
+
+
+def _constant(x: FloatArray) -> FloatArray:
+    return np.zeros(x.shape[0])
+
+
+@pytest.mark.parametrize(
+    ("model", "criterion"),
+    [(_rounded, Criterion(1.0, 0.0)), (_rounded, Criterion(3.0)), (_constant, Criterion(1.0))],
+    ids=["rounded, tau = 0", "rounded", "no node fails"],
+)
+def test_what_moments_cannot_tell_is_doubted(model: Any, criterion: Criterion) -> None:
+    """Rounded responses, and pf = 0 because no node fails, had no word of doubt."""
+    problem = Problem(model, individual=[normal(0.0, 1.0)] * 2, units=2)
+    assert FFNIPearson().estimate(problem, criterion)[0].status == "doubtful"
+
+
+def test_loguniform_inputs_over_many_decades_are_doubted() -> None:
+    """No moments of five nodes tell what twenty decades do."""
+    import openturns as ot
+
+    wide = {name: ot.LogUniform(-23.0, 23.0) for name in "ab"}
+    problem = Problem(lambda x: np.log(x).sum(axis=1), individual=wide)
+    row = FFNIPearson().estimate(problem, criteria(20.0))[0]
+    assert row.status in {"doubtful", "failed"}
+
+
+def test_the_check_is_skipped_when_asked_to_or_without_room() -> None:
+    """`check=False` and a budget for the design alone: the same number, unchecked."""
+    asked = criteria(2.0)
+    whole = FFNISaddlepoint().estimate(series(), asked)
+    skipped = FFNISaddlepoint(check=False).estimate(series(), asked)
+    small = FFNISaddlepoint().estimate(series(), asked, max_evals=75)
+    assert whole[0].pf == skipped[0].pf == small[0].pf
+    assert (whole.n_evals, skipped.n_evals, small.n_evals) == (95, 75, 75)
+    assert skipped[0].status == small[0].status == "unchecked"
+    assert "no room for the 20 runs of the check" in small[0].message

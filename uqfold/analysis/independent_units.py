@@ -95,7 +95,7 @@ def independence(
         raise refused("units", units, "give one number of units or more")
     draws = or_none("draws", draws, whole, at_least=2)
     per_draw = whole("per_draw", per_draw, at_least=1)
-    chosen = checked_method(method) or FFNISaddlepoint()
+    chosen = checked_method(method) or FFNISaddlepoint(check=False)
     opened = checked_evaluator(evaluator)
     result = chosen.estimate(problem, grid, rng=0, evaluator=opened)
     details = result.details

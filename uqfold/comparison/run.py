@@ -134,8 +134,8 @@ def compare(
     ... )
     >>> frame[["label", "n_evals", "status"]]
               label  n_evals     status
-    0      ffni-spa       75  unchecked
-    1  ffni-pearson       75  unchecked
+    0      ffni-spa       95  converged
+    1  ffni-pearson       95  converged
     """
     plan = plan_comparison(
         problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator

@@ -85,8 +85,8 @@ class Store:
     ...     with Store(path) as store:
     ...         result = method.estimate(problem, evaluator=uqfold.Evaluator(store=store))
     ...     print(result.n_evals, result[0].n_reused)
-    75 0
-    75 75
+    101 0
+    101 101
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:

@@ -5,18 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
+import numpy as np
+
 from uqfold.inputs import JointInputs
 from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.factorial_design import FFNIDetails, Nodes, counts_per_input
 from uqfold.methods.result import Estimate
+from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
+from uqfold.typing import FloatArray, IntArray
 
 DoubtsAbout: TypeAlias = Callable[[Sequence[Criterion], Sequence[SystemProbability]], list[str]]
 """Why each answer is ``doubtful``; an empty text where it is not."""
+
+_MATTERS = 1e-3
+"""Share of pf from which a fallback at one node makes the whole answer doubtful."""
 
 
 def system_estimates(
@@ -57,6 +65,26 @@ def system_estimates(
         return [_estimate(*row, doubts=doubts) for row in zip(found, bounds, own, strict=True)]
 
     return task.summed_up(lambda _: estimates_by_blocks(len(task.criteria), answers))
+
+
+def fallbacks_that_matter(
+    weights: FloatArray,
+    distributions: Sequence[ConditionalDistribution | None],
+    units: SystemUnits,
+    criteria: Sequence[Criterion],
+    found: Sequence[SystemProbability],
+) -> IntArray:
+    """Count the nodes (C,) at which a saddlepoint's fallback answers that contribute to pf."""
+    thresholds = units.thresholds([criterion.threshold for criterion in criteria])
+    missions = np.array([float(criterion.max_missions) for criterion in criteria])
+    pf = np.array([one.pf for one in found])
+    fallbacks = np.zeros(len(criteria), dtype=int)
+    for weight, distribution in zip(weights, distributions, strict=True):
+        if isinstance(distribution, SaddlepointDistribution):
+            value = distribution.evaluate(thresholds)
+            share = weight * units.count * missions * np.minimum(value.cdf, value.sf)
+            fallbacks += (value.fallback & (share > _MATTERS * pf)).any(axis=0)
+    return fallbacks
 
 
 def doubts_about_responses(details: FFNIDetails) -> list[str]:

@@ -27,6 +27,8 @@ from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray
 
 Nodes: TypeAlias = int | tuple[int, ...]
+Fit: TypeAlias = Callable[[float, float, float, float], ConditionalDistribution]
+"""Builds a distribution from mean, standard deviation, skewness and kurtosis."""
 MAX_NUMBERS = 100_000_000
 """Coordinates of all nodes of a design together: 0.8 GB, as many again while they are laid out."""
 
@@ -166,9 +168,7 @@ def factorial_design(inputs: JointInputs, shared: Nodes, individual: Nodes) -> F
 
 
 def conditional_responses(
-    design: FactorialDesign,
-    y: FloatArray,
-    fit: Callable[[float, float, float, float], ConditionalDistribution],
+    design: FactorialDesign, y: FloatArray, fit: Fit
 ) -> tuple[list[ConditionalResponse], FFNIDetails]:
     """Turn the responses at the nodes into one conditional response per shared node.
 

@@ -9,15 +9,18 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from uqfold.checks import choice, keep, or_none, whole
+from uqfold.checks import choice, flag, keep, or_none, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
+from uqfold.methods.factorial_check import with_verdicts
 from uqfold.methods.factorial_design import (
     FFNIDetails,
+    Fit,
     Nodes,
     affordable_design,
     checked_nodes,
     conditional_responses,
+    counts_per_input,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
 from uqfold.methods.theory import Theory
@@ -47,13 +50,18 @@ class FFNIPearson(ReliabilityMethod):
     ----------
     nodes_shared, nodes_individual
         Nodes per shared and per individual input: one number for all, or a tuple. The product
-        of all of them is the number of evaluations.
+        of all of them is the number of evaluations of the design.
     family
         ``pearson``, or ``normal`` for the two-moment distribution of earlier work (the paper's
         reference 32).
     rows
         None: integrate. A number: draw that many rows N_0 from each conditional distribution, as
         the paper does in Eqs. (43)-(47); the answer then has a sampling error.
+    check
+        Whether to spend some runs beside the design, two nodes more along each input and up to
+        eight near the thresholds, and to answer in other ways, so that each answer states an error
+        and is ``converged`` or ``doubtful``. Without it, or where the budget has no room for
+        these runs, answers are ``unchecked``. Sampled rows are not checked.
 
     Raises
     ------
@@ -63,8 +71,8 @@ class FFNIPearson(ReliabilityMethod):
     Notes
     -----
     A bounded Pearson type ends somewhere; where the threshold lies beyond that end, pf has no
-    contribution from it and the status is ``doubtful``. The method estimates no error besides that
-    of sampling, so that its answers are ``unchecked``.
+    contribution from it and the status is ``doubtful``. What the check compares is told in
+    ``docs/ffni.md``.
     """
 
     name: ClassVar[str] = "ffni-pearson"
@@ -78,12 +86,14 @@ class FFNIPearson(ReliabilityMethod):
     nodes_individual: Nodes = 5
     family: Family = "pearson"
     rows: int | None = None
+    check: bool = True
 
     def __post_init__(self) -> None:
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
         keep(self, "family", choice, get_args(Family))
         keep(self, "rows", or_none, whole, at_least=2)
+        keep(self, "check", flag)
 
     @property
     def stochastic(self) -> bool:
@@ -93,7 +103,9 @@ class FFNIPearson(ReliabilityMethod):
     def _solve(self, task: Task) -> Solution:
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
         y = task.session.evaluate(design.x)
-        responses, details = task.summed_up(lambda _: conditional_responses(design, y, self._fit))
+        responses, details = task.summed_up(
+            lambda _: conditional_responses(design, y, self._distribution)
+        )
         doubts = []
         if self.family == "pearson":
             nodes = self.nodes_shared, self.nodes_individual
@@ -110,14 +122,23 @@ class FFNIPearson(ReliabilityMethod):
             return _doubts(units, criteria, found, details)
 
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
+        if self.check:
+            counts = counts_per_input(task.problem.inputs, self.nodes_shared, self.nodes_individual)
+            estimates = with_verdicts(task, counts, y, self._distribution, estimates)
         return Solution(estimates, details)
 
-    def _fit(
-        self, mean: float, std: float, skewness: float, kurtosis: float
-    ) -> ConditionalDistribution:
+    @property
+    def _distribution(self) -> Fit:
         if self.family == "normal":
-            return NormalDistribution.from_moments(mean, std)
-        return PearsonDistribution.from_moments(mean, std, skewness, kurtosis)
+            return normal_distribution
+        return PearsonDistribution.from_moments
+
+
+def normal_distribution(
+    mean: float, std: float, skewness: float, kurtosis: float
+) -> ConditionalDistribution:
+    """Return the normal distribution with this mean and standard deviation, or a step."""
+    return NormalDistribution.from_moments(mean, std)
 
 
 def _doubts(

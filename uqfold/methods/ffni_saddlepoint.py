@@ -6,17 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from uqfold.checks import keep
+from uqfold.checks import flag, keep
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
-from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
+from uqfold.methods.factorial_answers import (
+    doubts_about_nodes,
+    fallbacks_that_matter,
+    system_estimates,
+)
+from uqfold.methods.factorial_check import with_verdicts
 from uqfold.methods.factorial_design import (
-    FFNIDetails,
     Nodes,
     affordable_design,
     checked_nodes,
     conditional_responses,
+    counts_per_input,
 )
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import SADDLEPOINT
@@ -25,9 +28,6 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.structure import SystemUnits
-
-_MATTERS = 1e-3
-"""Share of pf from which a fallback at one node makes the whole answer doubtful."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,12 @@ class FFNISaddlepoint(ReliabilityMethod):
     ----------
     nodes_shared, nodes_individual
         Nodes per shared and per individual input: one number for all, or a tuple. The product
-        of all of them is the number of evaluations.
+        of all of them is the number of evaluations of the design.
+    check
+        Whether to spend some runs beside the design, two nodes more along each input and up to
+        eight near the thresholds, and to answer in other ways, so that each answer states an error
+        and is ``converged`` or ``doubtful``. Without it, or where the budget has no room for
+        these runs, answers are ``unchecked``.
 
     Raises
     ------
@@ -54,7 +59,7 @@ class FFNISaddlepoint(ReliabilityMethod):
     Where the cumulants allow no admissible saddlepoint, the Pearson distribution with the same
     moments answers, and the status is ``doubtful`` if that matters. With a synchronization
     threshold the method is ``unsupported``: the approximation gives tails, but no density worth
-    integrating. The method estimates no error of its own, so that its answers are ``unchecked``.
+    integrating. What the check compares is told in ``docs/ffni.md``.
     """
 
     name: ClassVar[str] = "ffni-spa"
@@ -66,10 +71,12 @@ class FFNISaddlepoint(ReliabilityMethod):
 
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
+    check: bool = True
 
     def __post_init__(self) -> None:
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
+        keep(self, "check", flag)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why not, or None: the reasons of the base, and every criterion with tau."""
@@ -87,37 +94,26 @@ class FFNISaddlepoint(ReliabilityMethod):
             lambda _: conditional_responses(design, y, SaddlepointDistribution)
         )
 
+        units = SystemUnits.of(task.problem)
+
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            return _doubts(SystemUnits.of(task.problem), criteria, found, details)
+            fallbacks = fallbacks_that_matter(
+                details.weights, details.distributions, units, criteria, found
+            )
+            return [
+                f"no admissible saddlepoint at {count} of {len(details.weights)} shared nodes; "
+                "the Pearson distribution answers there"
+                if count
+                else ""
+                for count in fallbacks
+            ]
 
         nodes = self.nodes_shared, self.nodes_individual
         doubts = doubts_about_nodes(task.problem.inputs, *nodes)
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
+        if self.check:
+            counts = counts_per_input(task.problem.inputs, *nodes)
+            estimates = with_verdicts(task, counts, y, SaddlepointDistribution, estimates)
         return Solution(estimates, details)
-
-
-def _doubts(
-    units: SystemUnits,
-    criteria: Sequence[Criterion],
-    found: Sequence[SystemProbability],
-    details: FFNIDetails,
-) -> list[str]:
-    """Return where the fallback answered at a node that contributes to pf."""
-    thresholds = units.thresholds([criterion.threshold for criterion in criteria])
-    missions = np.array([float(criterion.max_missions) for criterion in criteria])
-    pf = np.array([one.pf for one in found])
-    fallbacks = np.zeros(len(criteria), dtype=int)
-    for weight, distribution in zip(details.weights, details.distributions, strict=True):
-        if isinstance(distribution, SaddlepointDistribution):
-            value = distribution.evaluate(thresholds)
-            share = weight * units.count * missions * np.minimum(value.cdf, value.sf)
-            fallbacks += (value.fallback & (share > _MATTERS * pf)).any(axis=0)
-    return [
-        f"no admissible saddlepoint at {count} of {len(details.weights)} shared nodes; the "
-        "Pearson distribution answers there"
-        if count
-        else ""
-        for count in fallbacks
-    ]

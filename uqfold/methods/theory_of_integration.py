@@ -25,7 +25,8 @@ SADDLEPOINT = Theory(
         "model is run at every node of a product of Gauss rules; from the first four cumulants at "
         "each shared node the formula of Lugannani and Rice gives both tails of the conditional "
         "response. Where the cumulants admit no saddlepoint, the Pearson distribution with the "
-        "same moments answers. The method states no error of its own."
+        "same moments answers. Runs beside the design, finer rules and other distributions with "
+        "the same moments tell the stated error."
     ),
     equations=(
         _OUTER,
@@ -64,8 +65,8 @@ PEARSON = Theory(
         "run at every node of a product of Gauss rules; the first four moments at each shared "
         "node select one member of the Pearson family as the conditional distribution of the "
         "response. Under a synchronization threshold the order statistics of the units follow by "
-        "integration, without sampling unless rows are asked for. The method states no error "
-        "besides that of sampling."
+        "integration, without sampling unless rows are asked for. Runs beside the design, finer "
+        "rules and other distributions with the same moments tell the stated error."
     ),
     equations=(
         _OUTER,

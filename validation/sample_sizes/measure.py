@@ -52,8 +52,8 @@ def measure(work: Work) -> Measurement:
     individual = 4 if work.fault == "four nodes" else 5
     shared = 5 if work.fault == "five shared nodes" else 3
     methods = {
-        "without": (FFNISaddlepoint(shared, individual), Criterion(1.0)),
-        "with": (FFNIPearson(shared, individual), Criterion(1.0, 1.0)),
+        "without": (FFNISaddlepoint(shared, individual, check=False), Criterion(1.0)),
+        "with": (FFNIPearson(shared, individual, check=False), Criterion(1.0, 1.0)),
     }
     rows, findings = [], []
     for example, (problem, stated) in STATED.items():
