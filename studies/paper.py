@@ -28,29 +28,25 @@ PAIRED = (
 SYMBOLS = {"V_q": "V_q", "delta": r"\delta", "b": "b", "k_d": "k_d", "C_r": "C_r"}
 UNITS = {"V_q": " m/s", "delta": "°", "b": " mm", "k_d": " N", "C_r": " mm"}
 
+CHANGES = (
+    ("V_q", "mean", 100.0, 180.0),
+    ("delta", "mean", 30.0, -30.0),
+    ("b", "mean", 6.0, 8.0),
+    ("k_d", "mean", 600.0, 500.0),
+    ("C_r", "mean", 2.0, 1.0),
+    ("V_q", "standard deviation", 1.0, 20.0),
+    ("delta", "standard deviation", 1.0, 20.0),
+    ("b", "standard deviation", 0.01, 0.5),
+    ("k_d", "standard deviation", 1.0, 30.0),
+    ("C_r", "standard deviation", 0.005, 0.2),
+)
+"""Tables 8 and 9: input, what is changed, and its two values in the input's unit."""
 CONDITIONS = {
-    1: ("V_q", "mean", 100.0),
-    2: ("V_q", "mean", 180.0),
-    3: ("delta", "mean", 30.0),
-    4: ("delta", "mean", -30.0),
-    5: ("b", "mean", 6.0),
-    6: ("b", "mean", 8.0),
-    7: ("k_d", "mean", 600.0),
-    8: ("k_d", "mean", 500.0),
-    9: ("C_r", "mean", 2.0),
-    10: ("C_r", "mean", 1.0),
-    11: ("V_q", "standard deviation", 1.0),
-    12: ("V_q", "standard deviation", 20.0),
-    13: ("delta", "standard deviation", 1.0),
-    14: ("delta", "standard deviation", 20.0),
-    15: ("b", "standard deviation", 0.01),
-    16: ("b", "standard deviation", 0.5),
-    17: ("k_d", "standard deviation", 1.0),
-    18: ("k_d", "standard deviation", 30.0),
-    19: ("C_r", "standard deviation", 0.005),
-    20: ("C_r", "standard deviation", 0.2),
+    2 * k + one: (name, moment, value)
+    for k, (name, moment, *values) in enumerate(CHANGES)
+    for one, value in enumerate(values, 1)
 }
-"""The conditions of Tables 8 and 9: input, what is changed, and its value in the input's unit."""
+"""The conditions 1 to 20: input, what is changed, and its value."""
 
 
 def condition(number: int) -> uqfold.Problem:

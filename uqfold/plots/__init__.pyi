@@ -1,8 +1,10 @@
-from uqfold.plots.budgets import benchmark_panels as benchmark_panels
 from uqfold.plots.comparison_figure import comparison as comparison
 from uqfold.plots.curves import reliability_panels as reliability_panels
 from uqfold.plots.dependence import independence_panels as independence_panels
-from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
+from uqfold.plots.error_figure import (
+    benchmark_panels as benchmark_panels,
+    error_against_evaluations as error_against_evaluations,
+)
 from uqfold.plots.points_figure import points as points
 from uqfold.plots.saving import save as save
 from uqfold.plots.analyses import (
