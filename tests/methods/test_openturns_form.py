@@ -83,7 +83,7 @@ class TestLinearNormal:
         assert {row.status for row in result} == {"converged"}
         assert {row.error_kind for row in result} == {"surrogate"}
         least = np.minimum(result.pf, [row.reliability for row in result])
-        assert all(row.std_error < 0.01 * small for row, small in zip(result, least, strict=True))
+        assert all(row.std_error < 0.05 * small for row, small in zip(result, least, strict=True))
 
     def test_without_a_second_look_no_error_is_stated(self) -> None:
         """`starts` = 1 asks to skip the check: unchecked, and fewer runs."""
