@@ -34,6 +34,8 @@ from uqfold.testing import LinearNormalSystem
 from uqfold.testing.conduct import same_numbers
 from uqfold.typing import FloatArray
 
+pytestmark = pytest.mark.usefixtures("one_blas_thread")
+
 FOUR_BRANCH = four_branch()
 
 
