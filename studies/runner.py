@@ -13,6 +13,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -141,18 +142,17 @@ class Run:
         A method without randomness runs with the first seed only.
         """
         frames = []
-        for name, problem in problems.items():
-            for label, method in methods.items():
-                for budget in budgets:
-                    for seed in range(seeds if method.stochastic else 1):
-                        frame = uqfold.compare(
-                            problem, {label: method}, criteria, max_evals=budget, rng=seed,
-                            evaluator=self.evaluator(problem),
-                        ).drop(columns=LEFT_OUT)  # fmt: skip
-                        frame["problem"] = name
-                        frame.insert(2, "max_evals", math.nan if budget is None else float(budget))
-                        frame.attrs = {}
-                        frames.append(frame)
+        for name, label, budget in product(problems, methods, budgets):
+            problem, method = problems[name], methods[label]
+            for seed in range(seeds if method.stochastic else 1):
+                frame = uqfold.compare(
+                    problem, {label: method}, criteria, max_evals=budget, rng=seed,
+                    evaluator=self.evaluator(problem),
+                ).drop(columns=LEFT_OUT)  # fmt: skip
+                frame["problem"] = name
+                frame.insert(2, "max_evals", math.nan if budget is None else float(budget))
+                frame.attrs = {}
+                frames.append(frame)
         return pd.concat(frames, ignore_index=True)
 
     def compare(self, name: str, *asked: Any) -> None:
@@ -220,8 +220,11 @@ def main(
         print(*(f"  {one}" for one in found[:10]), sep="\n")
         sys.exit(1 if found else 0)
     out = folder.parent / ".quick" / folder.name if options.quick else folder
-    run = read_run(folder) if options.redraw else Run(folder.name, options.quick, out, STORE)
-    if not options.redraw:
+    if options.redraw:
+        run = read_run(folder)
+        run.out = out
+    else:
+        run = Run(folder.name, options.quick, out, STORE)
         tables(run)
         run.write_record()
     with plots.figure_settings():

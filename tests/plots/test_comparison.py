@@ -166,6 +166,17 @@ def test_without_references_and_intervals_pf_itself_is_drawn(grid: Any) -> None:
     np.testing.assert_allclose(found, own.loc[own["label"] == "a", "pf"])
 
 
+@pytest.mark.parametrize("grid", [criteria([17.0, 18.0]), criteria(17.0)])
+def test_answers_that_are_all_zero_are_arrows(grid: Any) -> None:
+    """Simulation that saw no failure, without a reference: the upper ends are all there is."""
+    figure = plots.comparison(frame(grid, {"mc": Sampled(n=100)}, referenced=False))
+    markers = {
+        line.get_marker() for line in figure.axes[0].lines if np.isfinite(line.get_xdata()).all()
+    }
+    assert markers & {4, 7}
+    figure.canvas.draw()
+
+
 def test_many_methods_and_panels_are_drawn() -> None:
     methods = {f"variant {i}": Told(n=10 * i + 10, bias=0.1 * i) for i in range(12)}
     figure = plots.comparison(frame(criteria([11.0, 12.0], missions=[1, 2, 3, 4]), methods))

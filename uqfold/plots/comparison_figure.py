@@ -218,8 +218,10 @@ class _Drawing:
         shown = self.answers[["pf", *(["level"] if self.by else [])]]
         shown = shown.where(shown > SMALLEST_PF)
         low, high = shown.min(axis=None), shown.max(axis=None)
-        margin = 1.1 * (high / low) ** 0.06
-        axes.set(yscale="log", ylim=(low / margin, min(high * margin, 1.5)))
+        axes.set_yscale("log")
+        if low > 0.0:
+            margin = 1.1 * (high / low) ** 0.06
+            axes.set_ylim(low / margin, min(high * margin, 1.5))
         for label, rows in own.groupby("label", sort=False):
             if not self.by:
                 self.points(axes, rows)

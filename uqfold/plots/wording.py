@@ -179,8 +179,7 @@ def answers_of(frame: pd.DataFrame) -> pd.DataFrame:
     numbers = ["pf", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error"]
     values = answers[numbers]
     answers[numbers] = values.where((values >= 0.0) & (values <= LARGEST))
-    finite = answers["threshold"].abs() <= LARGEST
-    return answers[finite].reset_index(drop=True)
+    return answers[answers["threshold"].abs() < math.inf].reset_index(drop=True)
 
 
 def answer_text(row: Row, unit: str) -> str:
