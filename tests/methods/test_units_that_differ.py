@@ -23,6 +23,7 @@ from uqfold import (
     Unit,
     evaluation,
 )
+from uqfold.analysis import conditional_sobol, pick_freeze
 from uqfold.inputs import normal
 from uqfold.methods import (
     ConditionalMonteCarlo,
@@ -186,12 +187,18 @@ def test_units_of_one_kind_are_one_problem() -> None:
 
 
 def test_other_moments_of_a_shared_input_reach_all_kinds() -> None:
-    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE]).with_moments(
-        means={"V": 2.0, "U": 1.0}
-    )
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE])
+    problem = problem.with_moments(means={"V": 2.0}).with_moments(means={"U": 1.0})
     first, second = problem.kinds.inputs
     assert first.means.tolist() == [2.0, 1.0]
     assert second.means.tolist() == [2.0, 0.2, 0.0]
+
+
+def test_what_looks_at_one_unit_refuses_units_of_several_kinds() -> None:
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE])
+    for analysis in (conditional_sobol, pick_freeze):
+        with pytest.raises(ValueError, match="give units of one model with the same inputs"):
+            analysis(problem, samples=64)
 
 
 def test_a_failed_run_of_one_kind_leaves_the_other_rows_alone() -> None:

@@ -37,7 +37,7 @@ from uqfold.analysis.sobol import (
 from uqfold.checks import whole
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
-from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_problem
+from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_unit
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.typing import FloatArray
@@ -127,7 +127,7 @@ def conditional_sobol(
         If the runs cost more than `max_evals`; none is made then.
     """
     started = time.perf_counter()
-    checked_problem(problem)
+    checked_unit(problem)
     samples = checked_samples(samples)
     repetitions = whole("repetitions", repetitions, at_least=3)
     seed = reduced_seed(rng)

@@ -35,7 +35,7 @@ from uqfold.analysis.fitted_surface import fit_surface
 from uqfold.checks import instance, or_none, refused, whole
 from uqfold.evaluation import EvaluationSession, Evaluator
 from uqfold.inputs import JointInputs
-from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_problem
+from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_unit
 from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import ErrorKind
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
@@ -157,7 +157,7 @@ def pick_freeze(
         If the runs cost more than `max_evals`; none is made then.
     """
     started = time.perf_counter()
-    checked_problem(problem)
+    checked_unit(problem)
     samples = checked_samples(samples)
     repetitions = whole("repetitions", repetitions, at_least=3)
     inputs = problem.inputs
@@ -221,7 +221,7 @@ def chaos_sobol(
         If the evaluations allow no expansion.
     """
     started = time.perf_counter()
-    warn_of_order(checked_problem(problem).inputs)
+    warn_of_order(checked_unit(problem).inputs)
     wanted = "give PolynomialChaos(...)"
     chosen = or_none("method", method, instance, PolynomialChaos, wanted) or PolynomialChaos()
     # which criterion is asked for does not matter: it is the surface that is wanted

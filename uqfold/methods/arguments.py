@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from uqfold.checks import instance, or_none, whole
+from uqfold.checks import instance, or_none, refused, whole
 from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
@@ -22,6 +22,19 @@ def checked_problem(problem: Problem) -> Problem:
         If it is not a `Problem`.
     """
     return instance("problem", problem, Problem, "give a Problem")
+
+
+def checked_unit(problem: Problem) -> Problem:
+    """Return a problem whose units share one model and its inputs, so that one unit tells of all.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not a `Problem`, or its units have models or inputs of their own.
+    """
+    if len(checked_problem(problem).kinds.models) > 1:
+        raise refused("problem", problem, "give units of one model with the same inputs")
+    return problem
 
 
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:

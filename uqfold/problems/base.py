@@ -226,7 +226,7 @@ class Problem:
         changed = copy(self)
         inputs = self.inputs.with_moments(means, standard_deviations)
         object.__setattr__(changed, "inputs", inputs)
-        kinds = self.kinds.with_moments(means or {}, standard_deviations or {}, self.inputs)
+        kinds = self.kinds.with_moments(self.inputs, inputs, means or {}, standard_deviations or {})
         object.__setattr__(changed, "kinds", kinds)
         object.__setattr__(changed, "references", None)
         return changed

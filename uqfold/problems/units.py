@@ -146,16 +146,25 @@ class UnitKinds:
         return x
 
     def with_moments(
-        self, means: Mapping[str, float], stds: Mapping[str, float], former: JointInputs
+        self,
+        former: JointInputs,
+        changed: JointInputs,
+        means: Mapping[str, float],
+        stds: Mapping[str, float],
     ) -> UnitKinds:
-        """Return the kinds with other moments; inputs of a unit's own keep theirs."""
+        """Return the kinds with the inputs `changed` where they had `former`.
 
-        def changed(inputs: JointInputs) -> JointInputs:
-            names = inputs.names if inputs is former else inputs.shared_names
+        Individual inputs of a unit's own keep their moments.
+        """
+
+        def of_kind(inputs: JointInputs) -> JointInputs:
+            if inputs is former:
+                return changed
+            names = inputs.shared_names
             concerned = [{k: v for k, v in one.items() if k in names} for one in (means, stds)]
             return inputs.with_moments(*concerned)
 
-        return replace(self, inputs=tuple(map(changed, self.inputs)))
+        return replace(self, inputs=tuple(map(of_kind, self.inputs)))
 
 
 @dataclass(frozen=True)
