@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import ndtr
+from scipy.special import log_ndtr, ndtr
 
 from uqfold import (
     Binomial,
@@ -192,6 +192,17 @@ def test_other_moments_of_a_shared_input_reach_all_kinds() -> None:
     first, second = problem.kinds.inputs
     assert first.means.tolist() == [2.0, 1.0]
     assert second.means.tolist() == [2.0, 0.2, 0.0]
+
+
+def test_a_number_of_units_may_be_as_large_as_it_likes() -> None:
+    """Kinds are kept for units that are named, not for a billion that are alike."""
+    problem = Problem(pump, **INPUTS, units=10**9)
+    row = PolynomialChaos(runs=25, max_degree=2).estimate(problem, Criterion(8.0), rng=1)[0]
+    exact_pf = quad(
+        lambda v: -math.expm1(1e9 * float(log_ndtr((8.0 - 0.6 * v) / 0.8))) * math.exp(-v * v / 2),
+        -9, 9, epsrel=1e-9,
+    )[0]  # fmt: skip
+    assert row.pf == pytest.approx(exact_pf / math.sqrt(2.0 * math.pi), rel=1e-6)
 
 
 def test_what_looks_at_one_unit_refuses_units_of_several_kinds() -> None:

@@ -90,8 +90,9 @@ def _system(problem: Problem) -> dict[str, Any]:
     joint = problem.inputs
     roles = ["shared"] * joint.n_shared + ["individual"] * joint.n_individual
     described = list(zip(joint.names, problem.input_units, roles, joint.columns, strict=True))
-    for unit, kind in zip(problem.unit_names, problem.kinds.of_units, strict=True):
-        own = problem.kinds.inputs[kind]
+    kinds = problem.kinds
+    for i, kind in enumerate([] if kinds.of_units is None else kinds.of_units.tolist()):
+        own, unit = kinds.inputs[kind], problem.unit_names[i]
         if own is not joint:
             described += [
                 (f"{name} of {unit}", "", "individual", column)

@@ -97,9 +97,9 @@ def header(
 
 def _differences(problem: Problem) -> dict[str, Any]:
     """Return what sets units apart that differ by more than their own draws."""
-    if problem.exchangeable:
+    if problem.exchangeable or isinstance(problem.units, int):
         return {}
-    return {"names": list(problem.unit_names), "offsets": problem.kinds.offsets.tolist()}
+    return {"names": list(problem.unit_names), "offsets": [unit.offset for unit in problem.units]}
 
 
 def _fingerprint(problem: Problem) -> str:

@@ -59,16 +59,15 @@ class UnitKinds:
     ----------
     models, inputs
         Of each kind. The shared inputs are the same, and their columns the first ones, in all.
-    of_units
-        The kind of each unit (n,).
-    offsets
-        What is added to the response of each unit (n,).
+    of_units, offsets
+        The kind of each unit (n,), and what is added to its response (n,); both None where only the
+        number of units was given, which may be very large.
     """
 
     models: tuple[Model, ...]
     inputs: tuple[JointInputs, ...]
-    of_units: IntArray
-    offsets: FloatArray
+    of_units: IntArray | None = None
+    offsets: FloatArray | None = None
 
     @classmethod
     def of(
@@ -86,7 +85,7 @@ class UnitKinds:
             Distribution of the shared inputs, for units with individual inputs of their own.
         """
         if isinstance(units, int):
-            return cls((model,), (inputs,), np.zeros(units, dtype=np.int64), np.zeros(units))
+            return cls((model,), (inputs,))
         kinds: dict[tuple[int, int], tuple[Model, JointInputs]] = {}
         of_units = []
         for unit in units:
@@ -101,7 +100,7 @@ class UnitKinds:
     @property
     def equal(self) -> bool:
         """Whether all units are alike."""
-        return len(self.models) == 1 and not self.offsets.any()
+        return len(self.models) == 1 and (self.offsets is None or not self.offsets.any())
 
     @property
     def n_shared(self) -> int:

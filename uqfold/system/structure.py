@@ -180,6 +180,7 @@ class SystemUnits:
         found = None if in_series else diagram(problem.structure, problem.unit_names)
         if problem.exchangeable:
             return cls(problem.n_units, found)
+        assert problem.kinds.offsets is not None
         offsets, of_units = np.unique(problem.kinds.offsets, return_inverse=True)
         return cls(problem.n_units, found, offsets, of_units, equal=False)
 
@@ -220,7 +221,9 @@ class SystemUnits:
     @property
     def shift(self) -> float:
         """Offset of the system where all units give one and the same response."""
-        return float(self.response(self.shifted(np.zeros(self.count))))
+        if self.of_offsets is None:
+            return 0.0
+        return float(self.response(self.offsets[self.of_offsets]))
 
 
 @lru_cache(maxsize=16)
