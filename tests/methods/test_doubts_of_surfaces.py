@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 import uqfold
-from uqfold.methods import PolynomialChaos, response_surface
+from uqfold.methods import Kriging, PolynomialChaos, response_surface
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import CriterionResult
 from uqfold.typing import FloatArray
@@ -51,6 +51,22 @@ def test_the_interval_holds_the_step_in_which_the_threshold_lies(threshold: floa
     exact = float(stats.norm.sf((threshold + 0.25) / ROOT_TWO))
     assert row.status == "doubtful"
     assert math.isnan(row.ci_low) or row.ci_low <= exact <= row.ci_high
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_beside_a_plateau_the_bend_of_the_surface_is_an_error(seed: int) -> None:
+    """Clipped at 4, T = 3.9: kriging was 7 to 16 % of pf too low, 1 to 3 % stated, converged."""
+
+    def clipped(x: FloatArray) -> FloatArray:
+        return np.clip(x.sum(axis=1), -4.0, 4.0)
+
+    problem = uqfold.Problem(clipped, individual=[stats.norm(), stats.norm()])
+    row = Kriging(runs=100).estimate(problem, uqfold.criteria([0.0, 3.9]), rng=seed)
+    exact = float(stats.norm.sf(3.9 / ROOT_TWO))
+    assert row[1].status == "doubtful"
+    assert row[1].ci_low < exact < row[1].ci_high
+    # far from both plateaus nothing bends
+    assert (row[0].status, row[0].pf) == ("converged", pytest.approx(0.5, rel=0.02))
 
 
 def test_a_surface_that_predicts_badly_states_no_interval() -> None:

@@ -31,7 +31,7 @@ from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import MAX_POINTS, Surface
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, IntArray
 
 CI_KIND = "95 % surrogate"
 
@@ -281,7 +281,9 @@ def _answered(
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
-        sides = [_step(known, criterion, system.units) for criterion in criteria] if stepped else []
+        sides = [
+            _step(known, validated, criterion, system.units) for criterion in criteria if stepped
+        ]
         for side in zip(*sides, strict=True):
             beyond = reliability_indices(system.failures_given(responses, side))
             # the border lies somewhere in the step: two standard deviations reach its end
@@ -334,25 +336,39 @@ def _density(beta: FloatArray) -> FloatArray:
 
 def _overconfidence(validated: LeaveOneOut, y: FloatArray, threshold: float) -> float:
     """Factor by which residuals exceed what the surface states, near a threshold or everywhere."""
-    count = max(_FEWEST_NEAR, int(_SHARE_NEAR * y.size))
-    near = validated.among(np.argsort(np.abs(y - threshold), kind="stable")[:count])
+    near = validated.among(_near(y, threshold))
     return max(1.0, validated.ratio, near.ratio if near.ratio > _BY_CHANCE else 0.0)
 
 
-def _step(y: FloatArray, criterion: Criterion, units: SystemUnits) -> tuple[Criterion, Criterion]:
+def _near(y: FloatArray, threshold: float) -> IntArray:
+    """Runs (k,) whose responses are nearest to a threshold."""
+    count = max(_FEWEST_NEAR, int(_SHARE_NEAR * y.size))
+    return np.argsort(np.abs(y - threshold), kind="stable")[:count]
+
+
+def _step(
+    y: FloatArray, validated: LeaveOneOut, criterion: Criterion, units: SystemUnits
+) -> tuple[Criterion, Criterion]:
     """Return a criterion at both ends of the step of the responses in which its threshold lies.
 
     Different inputs that give the same response to the last bit lie on a plateau, in which a
-    smooth surface bends: where it crosses the threshold says nothing of where the step is.
+    smooth surface bends: where it crosses the threshold says nothing of where the step is. Beside
+    the plateau it bends all along the edge to the same side, by about what left-out runs are
+    missed by, of which twice as much is taken for a step.
     """
     values, counts = np.unique(y, return_counts=True)
     low = high = criterion.threshold
     for offset in units.offsets.tolist():
-        above = int(np.searchsorted(values, criterion.threshold - offset, side="right"))
+        threshold = criterion.threshold - offset
+        above = int(np.searchsorted(values, threshold, side="right"))
         ends = [i for i in (above - 1, above) if 0 <= i < values.size]
         if any(counts[i] > 1 for i in ends):
             low = min(low, float(values[ends[0]]) + offset)
             high = max(high, float(values[ends[-1]]) + offset)
+        near = _near(y, threshold)
+        if (counts[np.searchsorted(values, y[near])] > 1).any():
+            bent = 2.0 * validated.among(near).rms
+            low, high = min(low, criterion.threshold - bent), max(high, criterion.threshold + bent)
     return replace(criterion, threshold=low), replace(criterion, threshold=high)
 
 
