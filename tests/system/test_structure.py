@@ -115,6 +115,17 @@ def test_equicorrelated_linear_units(structure: Any, beta: float, failure: Any) 
     assert pf + reliability == pytest.approx(1.0, rel=1e-12)
 
 
+def test_a_long_expression_is_read_and_built_without_recursion() -> None:
+    """Two rows of 900 valves beside each other: it went as deep as it was long."""
+    rows = (" & ".join(f"u{i}" for i in range(start, start + 900)) for start in (0, 900))
+    structure = Structure(" | ".join(rows))
+    found = diagram(structure, tuple(f"u{i}" for i in range(1800)))
+    assert found.size == 2 + 1800
+    p = np.full((1800, 1), 1e-6)
+    failure, _ = found.probabilities(p, 1.0 - p)
+    assert failure == pytest.approx(math.expm1(900 * math.log1p(-1e-6)) ** 2, rel=1e-10)
+
+
 def test_how_failure_changes_with_that_of_the_units() -> None:
     found = diagram(CutSets(CUTS), NAMES)
 

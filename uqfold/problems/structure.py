@@ -116,7 +116,12 @@ def branches(node: ast.expr) -> tuple[int, list[ast.expr]]:
         If it joins no parts as the expression of a `Structure` may.
     """
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd | ast.BitOr):
-        return (2 if isinstance(node.op, ast.BitAnd) else 1), [node.left, node.right]
+        parts, joint = [], type(node.op)
+        while isinstance(node, ast.BinOp) and isinstance(node.op, joint):
+            parts.append(node.right)
+            node = node.left
+        parts.append(node)
+        return (len(parts) if joint is ast.BitAnd else 1), parts[::-1]
     if isinstance(node, ast.BoolOp):
         return (len(node.values) if isinstance(node.op, ast.And) else 1), node.values
     if isinstance(node, ast.Call) and ast.unparse(node.func) == "at_least":

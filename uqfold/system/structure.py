@@ -241,10 +241,10 @@ def diagram(structure: SystemStructure, names: tuple[str, ...]) -> Diagram:
         k = structure.k if isinstance(structure, KOutOfN) else 1
         top = builder.at_least(n if isinstance(structure, Series) else k, range(n))
     elif isinstance(structure, CutSets):
-        cuts = sorted((sorted(one) for one in structure.sets), reverse=True)
+        cuts = sorted(sorted(one) for one in structure.sets)
         top = builder.joined((builder.at_least(1, one) for one in cuts), either=True)
     elif isinstance(structure, PathSets):
-        paths = sorted((sorted(one) for one in structure.sets), reverse=True)
+        paths = sorted(sorted(one) for one in structure.sets)
         top = builder.joined((builder.at_least(len(one), one) for one in paths), either=False)
     else:
         levels = {name: level for level, name in enumerate(structure.names)}
@@ -285,8 +285,11 @@ class _Builder:
         return row[k]
 
     def joined(self, parts: Iterable[int], *, either: bool) -> int:
-        """Fails if one of the parts fails (either), or only if all of them do."""
-        return reduce(lambda one, other: self._pair(one, other, either), parts)
+        """Fails if one of the parts fails (either), or only if all of them do.
+
+        The last ones are joined first, so that an earlier unit goes on top of what is there.
+        """
+        return reduce(lambda below, one: self._pair(one, below, either), reversed(list(parts)))
 
     def expression(self, node: ast.expr, levels: dict[str, int]) -> int:
         if isinstance(node, ast.Name):
