@@ -704,11 +704,17 @@ def calls(folder: Path) -> dict[str, Call]:
                 "family": choice("normal"),
                 "rows": optional(count()),
                 "check": flag(),
+                "target_cov": number(),
             },
         ),
         "methods.FFNISaddlepoint": Call(
             methods.FFNISaddlepoint,
-            {"nodes_shared": nodes, "nodes_individual": nodes, "check": flag()},
+            {
+                "nodes_shared": nodes,
+                "nodes_individual": nodes,
+                "check": flag(),
+                "target_cov": number(),
+            },
         ),
         "methods.Kriging": Call(
             methods.Kriging,

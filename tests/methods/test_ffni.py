@@ -16,6 +16,7 @@ from uqfold.methods.factorial_design import factorial_design
 from uqfold.moments.saddlepoint import SaddlepointDistribution, SaddlepointValue
 from uqfold.problems import Problem, folding_wing, four_bar, series
 from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.problems.structure import Parallel
 from uqfold.testing import LinearNormalSystem
 from uqfold.typing import FloatArray
 
@@ -359,6 +360,22 @@ def test_loguniform_inputs_over_many_decades_are_doubted() -> None:
     problem = Problem(lambda x: np.log(x).sum(axis=1), individual=wide)
     row = FFNIPearson().estimate(problem, criteria(20.0))[0]
     assert row.status in {"doubtful", "failed"}
+
+
+def test_units_in_parallel_have_a_verdict_too() -> None:
+    """The check asks the structure of the problem: all of three independent units fail."""
+    pair = Problem(
+        lambda x: x.sum(axis=1),
+        individual=[normal(0.0, 1.0)] * 2,
+        units=3,
+        structure=Parallel(),
+    )
+    method = FFNISaddlepoint()
+    row = method.estimate(pair, criteria(2.0))[0]
+    exact = (0.5 * math.erfc(1.0)) ** 3
+    assert row.status == "converged"
+    assert abs(row.pf - exact) < 3.0 * row.std_error < 0.3 * exact
+    assert replace(method, target_cov=1e-4).estimate(pair, criteria(2.0))[0].status == "doubtful"
 
 
 def test_the_check_is_skipped_when_asked_to_or_without_room() -> None:

@@ -48,8 +48,6 @@ OTHERS: dict[str, OtherFit] = {
     "the Pearson distribution": PearsonDistribution.from_moments,
     "the cubic normal distribution": cubic_normal,
 }
-LARGEST_ERROR = 0.1
-"""Stated error, as a share of pf, up to which an answer is converged."""
 _CAUTION = 1.5
 """Stated error over what the answers differ by; see ``docs/ffni.md`` for what was measured."""
 _LEAST = 5e-3
@@ -86,7 +84,7 @@ class OuterRule:
 
 
 @dataclass(frozen=True, eq=False)
-class Differences:
+class OtherAnswers:
     """How far answers of the same question lie apart.
 
     Attributes
@@ -130,35 +128,36 @@ class FactorialCheck:
     outer: tuple[OuterRule, OuterRule, OuterRule]
     tested: TestedSurface
 
-    def differences(self, criteria: Sequence[Criterion], pf: FloatArray) -> Differences:
+    def differences(self, criteria: Sequence[Criterion], pf: FloatArray) -> OtherAnswers:
         """Answer in other ways what the method has answered by `pf` (C,)."""
-        _, more, finest = self.outer
-        own = [self._answers(rule, rule.fitted(self.own), criteria) for rule in self.outer]
+        first, more, last = (rule.fitted(self.own) for rule in self.outer)
         misses = self.tested.misses_at(criteria)
-        moved = [
-            self._answers(more, more.fitted(self.own), _moved(criteria, sign * misses))
-            for sign in (-1.0, 1.0)
-        ]
+        lower, higher = (_moved(criteria, sign * misses) for sign in (-1.0, 1.0))
+        # thresholds of one tau share their integration
+        three = self._answers(self.outer[1], more, [*criteria, *lower, *higher])
+        own, *moved = three.reshape(3, -1)
+        inside = self._answers(self.outer[0], first, criteria)
+        outside = self._answers(self.outer[2], last, criteria)
         causes = [
             "runs with two nodes more along each input",
             "two nodes more over the shared inputs",
-            f"{finest.weights.size} nodes over the shared inputs",
+            f"{self.outer[2].weights.size} nodes over the shared inputs",
             "responses near the threshold",
         ]
         amounts = [
-            np.abs(own[0] - pf),
-            np.abs(own[1] - own[0]),
-            np.abs(own[2] - own[1]),
-            np.maximum(*np.abs(np.array(moved) - own[1])),
+            np.abs(inside - pf),
+            np.abs(own - inside),
+            np.abs(outside - own),
+            np.maximum(*(np.abs(one - own) for one in moved)),
         ]
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)
         for name, fit in self.others.items():
-            other = self._answers(more, more.fitted(fit), criteria)
+            other = self._answers(self.outer[1], self.outer[1].fitted(fit), criteria)
             families |= ~np.isnan(other)
             causes.append(name)
-            amounts.append(np.abs(other - own[1]))
-        return Differences(causes, np.array(amounts), families)
+            amounts.append(np.abs(other - own))
+        return OtherAnswers(causes, np.array(amounts), families)
 
     def _answers(
         self,
@@ -189,7 +188,12 @@ def _moved(criteria: Sequence[Criterion], by: FloatArray) -> list[Criterion]:
 
 
 def with_verdicts(
-    task: Task, counts: Sequence[int], y: FloatArray, own: Fit, estimates: Sequence[Estimate]
+    task: Task,
+    counts: Sequence[int],
+    y: FloatArray,
+    own: Fit,
+    estimates: Sequence[Estimate],
+    target: float,
 ) -> list[Estimate]:
     """Check answers: each becomes ``converged`` or ``doubtful``.
 
@@ -207,6 +211,8 @@ def with_verdicts(
         Builds the distributions of the method.
     estimates
         Its answers.
+    target
+        Largest stated error, relative to pf, of one that is converged.
     """
     if not np.isfinite(y).all():
         return _doubted(estimates, "responses that are not finite cannot be checked")
@@ -222,9 +228,8 @@ def with_verdicts(
     judged = list(estimates)
     misses = check.tested.misses_at(asked)
     for position, row in enumerate(rows):
-        judged[row] = _judged(
-            estimates[row], asked[position], differences, position, float(misses[position])
-        )
+        miss = float(misses[position])
+        judged[row] = _judged(estimates[row], asked[position], differences, position, miss, target)
     return judged
 
 
@@ -266,9 +271,14 @@ def _outer_rule(inputs: JointInputs, tested: TestedSurface, counts: Sequence[int
 
 
 def _judged(
-    estimate: Estimate, criterion: Criterion, differences: Differences, row: int, miss: float
+    estimate: Estimate,
+    criterion: Criterion,
+    differences: OtherAnswers,
+    row: int,
+    miss: float,
+    target: float,
 ) -> Estimate:
-    """Give one answer its stated error and status."""
+    """Return one answer with its stated error and status."""
     pf = estimate.pf
     amounts = np.nan_to_num(differences.amounts[:, row], nan=0.0, posinf=math.inf)
     rest = 1.0 - pf if estimate.reliability is None else estimate.reliability
@@ -276,7 +286,7 @@ def _judged(
     doubts = []
     if pf == 0.0:
         doubts.append("pf = 0: no response of the design, nor what is fitted to them, fails")
-    elif stated > LARGEST_ERROR * pf:
+    elif stated > target * pf:
         worst = int(amounts.argmax())
         share = 100.0 * float(amounts[worst]) / pf
         by = f"by {share:.2g} %" if math.isfinite(share) else "beyond what the method can answer"

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from uqfold.checks import choice, flag, keep, or_none, whole
+from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_check import with_verdicts
@@ -23,6 +23,7 @@ from uqfold.methods.factorial_design import (
     counts_per_input,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
+from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import PEARSON
 from uqfold.moments.conditional import ConditionalDistribution
@@ -62,6 +63,8 @@ class FFNIPearson(ReliabilityMethod):
         eight near the thresholds, and to answer in other ways, so that each answer states an error
         and is ``converged`` or ``doubtful``. Without it, or where the budget has no room for
         these runs, answers are ``unchecked``. Sampled rows are not checked.
+    target_cov
+        Largest stated error, relative to pf, of an answer that is ``converged``.
 
     Raises
     ------
@@ -87,6 +90,7 @@ class FFNIPearson(ReliabilityMethod):
     family: Family = "pearson"
     rows: int | None = None
     check: bool = True
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
         keep(self, "nodes_shared", checked_nodes)
@@ -94,6 +98,7 @@ class FFNIPearson(ReliabilityMethod):
         keep(self, "family", choice, get_args(Family))
         keep(self, "rows", or_none, whole, at_least=2)
         keep(self, "check", flag)
+        keep(self, "target_cov", real, above=0.0)
 
     @property
     def stochastic(self) -> bool:
@@ -124,7 +129,9 @@ class FFNIPearson(ReliabilityMethod):
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         if self.check:
             counts = counts_per_input(task.problem.inputs, self.nodes_shared, self.nodes_individual)
-            estimates = with_verdicts(task, counts, y, self._distribution, estimates)
+            estimates = with_verdicts(
+                task, counts, y, self._distribution, estimates, self.target_cov
+            )
         return Solution(estimates, details)
 
     @property

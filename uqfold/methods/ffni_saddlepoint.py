@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from uqfold.checks import flag, keep
+from uqfold.checks import flag, keep, real
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_nodes,
@@ -21,6 +21,7 @@ from uqfold.methods.factorial_design import (
     conditional_responses,
     counts_per_input,
 )
+from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import SADDLEPOINT
 from uqfold.moments.saddlepoint import SaddlepointDistribution
@@ -48,6 +49,8 @@ class FFNISaddlepoint(ReliabilityMethod):
         eight near the thresholds, and to answer in other ways, so that each answer states an error
         and is ``converged`` or ``doubtful``. Without it, or where the budget has no room for
         these runs, answers are ``unchecked``.
+    target_cov
+        Largest stated error, relative to pf, of an answer that is ``converged``.
 
     Raises
     ------
@@ -72,11 +75,13 @@ class FFNISaddlepoint(ReliabilityMethod):
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
     check: bool = True
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
         keep(self, "nodes_shared", checked_nodes)
         keep(self, "nodes_individual", checked_nodes)
         keep(self, "check", flag)
+        keep(self, "target_cov", real, above=0.0)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why not, or None: the reasons of the base, and every criterion with tau."""
@@ -115,5 +120,7 @@ class FFNISaddlepoint(ReliabilityMethod):
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         if self.check:
             counts = counts_per_input(task.problem.inputs, *nodes)
-            estimates = with_verdicts(task, counts, y, SaddlepointDistribution, estimates)
+            estimates = with_verdicts(
+                task, counts, y, SaddlepointDistribution, estimates, self.target_cov
+            )
         return Solution(estimates, details)

@@ -271,12 +271,11 @@ class SaddlepointDistribution:
             return math.inf if math.isinf(singular) else float(farthest)
         first = int(np.argmin(good))
         low, high = (0.0 if first == 0 else float(grid[first - 1])), float(grid[first])
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if bool(admissible(np.array([middle]))[0]):
-                low = middle
-            else:
-                high = middle
+        for _ in range(10):
+            within = np.linspace(low, high, 66)
+            good = admissible(within[1:-1])
+            last = good.size if good.all() else int(np.argmin(good))
+            low, high = float(within[last]), float(within[last + 1])
         return low
 
     @cached_property

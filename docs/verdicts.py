@@ -1,0 +1,95 @@
+"""How often the verdict of FFNI is right: prints the table of docs/ffni.md.
+
+    python -m docs.verdicts
+
+asks both methods about the paper's examples, linear and curved systems of several units, and the
+problems of the validation case "no false confidence"; some minutes.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from uqfold.methods import FFNIPearson, FFNISaddlepoint
+from uqfold.methods.result import NO_ANSWER, CriterionResult
+from uqfold.problems import Problem, folding_wing, four_bar, series
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.testing import LinearNormalSystem
+from uqfold.testing.curved import CurvedSystem
+from validation.no_false_confidence.problems import PROBLEMS
+
+Truths = dict[Criterion, tuple[float, float]]
+"""Smallest and largest exact pf of each criterion; they differ where runs fail."""
+MOST_INPUTS = 7
+EXAMPLES = series, four_bar, lambda: four_bar("crossed"), folding_wing
+CRITERIA_OF_EXAMPLE = 60
+
+
+def asked() -> Iterator[tuple[Problem, Truths]]:
+    """Yield problems and what is known of them."""
+    for example in EXAMPLES:
+        problem = example()
+        assert problem.references is not None
+        known = [
+            one
+            for one in problem.references
+            if one.std_error < 0.02 * one.pf and 1e-9 < one.pf < 0.999
+        ]
+        step = max(1, len(known) // CRITERIA_OF_EXAMPLE)
+        yield problem, {one.criterion: (one.pf, one.pf) for one in known[::step]}
+    profiles = 1, 5, Binomial(4, 0.7)
+    for units in (1, 3, 4, 20):
+        for shared in (0.0, 0.3, 0.6, 0.8):
+            system = LinearNormalSystem(units=units, shared_std=shared)
+            spread = math.hypot(shared, system.individual_std)
+            levels = [10.0 + far * spread for far in (0.5, 1.5, 2.5, 3.5, 4.5, 6.0)]
+            grid = criteria(levels, tau=[None, 3.5], missions=profiles)
+            yield system.problem(), {one: (system.pf(one),) * 2 for one in grid}
+    system = LinearNormalSystem(units=20, mean=2.5, shared_std=0.6, individual_std=0.8)
+    grid = criteria([2.5 + far for far in range(1, 8)])
+    yield system.problem(), {one: (system.pf(one),) * 2 for one in grid}
+    for units in (1, 2, 5):
+        curved = CurvedSystem(units=units)
+        levels = [10.5, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0]
+        yield curved.problem(), {Criterion(level): (curved.pf(level),) * 2 for level in levels}
+    for hard in PROBLEMS:
+        if hard.d <= MOST_INPUTS:
+            yield hard.problem(), {hard.criterion: (hard.least, hard.pf)}
+
+
+def verdict(row: CriterionResult, low: float, high: float) -> tuple[str, str]:
+    """Return the status of a row, and whether it is right.
+
+    A converged row is wrong if it is more than three stated errors and 1 % off, any other one if
+    it is more than 10 % off, in both of the smaller of pf and 1 - pf.
+    """
+    beyond = max(0.0, row.pf - high, low - row.pf)
+    share = beyond / max(min(high, 1.0 - low), np.finfo(float).tiny)
+    if row.status == "converged":
+        return row.status, "wrong" if share > 0.01 and beyond > 3.0 * row.std_error else "right"
+    return row.status, "wrong" if share > 0.1 else "right"
+
+
+def main() -> None:
+    """Print how often each verdict was right."""
+    counts: Counter[tuple[str, str]] = Counter()
+    inside = []
+    for problem, truths in asked():
+        for method in (FFNISaddlepoint(), FFNIPearson()):
+            for criterion, row in zip(truths, method.estimate(problem, [*truths]), strict=True):
+                if row.status in NO_ANSWER:
+                    continue
+                low, high = truths[criterion]
+                found = verdict(row, low, high)
+                counts[found] += 1
+                if row.status == "converged":
+                    inside.append(row.ci_low <= high and low <= row.ci_high)
+    for status in sorted({status for status, _ in counts}):
+        print(f"{status}: {counts[status, 'right']} right, {counts[status, 'wrong']} wrong")
+    print(f"{100.0 * np.mean(inside):.1f} % of the intervals of converged rows hold the truth")
+
+
+if __name__ == "__main__":
+    main()
