@@ -18,8 +18,8 @@ from uqfold.problems.criterion import Criterion
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray, IntArray
 
-Rule: TypeAlias = tuple[FloatArray, FloatArray]
-Run: TypeAlias = Callable[[FloatArray], FloatArray]
+GaussRule: TypeAlias = tuple[FloatArray, FloatArray]
+_Ask: TypeAlias = Callable[[FloatArray], FloatArray]
 
 MORE = 2
 """Nodes that a line has more than the design."""
@@ -62,7 +62,7 @@ class TestedSurface:
         return np.asarray(np.maximum(near, self.miss))
 
 
-def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[Rule]:
+def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
     """Return the Gauss rule of every input, in the coordinates in which the design is a product.
 
     These are the inputs themselves if they are independent, or else standard-normal variables.
@@ -78,7 +78,7 @@ def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[Rule]:
     return [gauss_rule(standard, n) for n in counts]
 
 
-def product_of_weights(rules: Sequence[Rule]) -> FloatArray:
+def product_of_weights(rules: Sequence[GaussRule]) -> FloatArray:
     """Return the weights of a product of rules, the last one running fastest."""
     product = np.ones(1)
     for _, weights in rules:
@@ -156,7 +156,9 @@ def _levels(thresholds: FloatArray) -> FloatArray:
     return np.unique(every[np.linspace(0, every.size - 1, _LEVELS).round().astype(int)])
 
 
-def _with_lines(plain: FactorialSurface, lines: Sequence[FloatArray], run: Run) -> FactorialSurface:
+def _with_lines(
+    plain: FactorialSurface, lines: Sequence[FloatArray], run: _Ask
+) -> FactorialSurface:
     """Correct the polynomial along each input by responses on a line through the middle."""
     points = np.tile(plain.middle, (sum(line.size for line in lines), 1))
     ends = np.cumsum([0, *(line.size for line in lines)])
@@ -172,7 +174,7 @@ def _with_lines(plain: FactorialSurface, lines: Sequence[FloatArray], run: Run) 
 
 
 def _places_near(
-    surface: FactorialSurface, rules: Sequence[Rule], levels: FloatArray
+    surface: FactorialSurface, rules: Sequence[GaussRule], levels: FloatArray
 ) -> tuple[FloatArray, IntArray]:
     """Return the likeliest places (n, d) at which the polynomial is near each level.
 
