@@ -16,6 +16,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 import uqfold
 from tests.comparison.fakes import GRID, METHODS, toy_frame, toy_problem
@@ -216,6 +217,18 @@ def test_the_header_says_what_the_system_was_and_what_the_methods_state(tmp_path
     theory = header["methods"][0]["theory"]
     assert theory == json.loads(json.dumps(asdict(METHODS["exact"].theory)))
     assert theory["equations"][0]["latex"] == r"p_f = \mathrm{told}"
+
+
+def test_the_header_says_by_what_units_differ() -> None:
+    units = [uqfold.Unit(offset=1.5, name="stiff"), uqfold.Unit(), uqfold.Unit(offset=-2.0)]
+    problem = uqfold.Problem(
+        lambda x: x.sum(axis=1), shared={"a": stats.norm()}, individual={"b": stats.norm()},
+        units=units,
+    )  # fmt: skip
+    header = comparison_header(uqfold.compare(problem, ["ffni-pearson"], criteria(3.0)))
+    offsets = header["system"]["offsets"]
+    assert offsets == dict(zip(problem.unit_names, [1.5, 0.0, -2.0], strict=True))
+    assert offsets["stiff"] == 1.5
 
 
 def test_every_column_and_field_is_documented() -> None:

@@ -65,6 +65,7 @@ class _System(TypedDict):
     structure: str
     inputs: list[_Input]
     dependence: str
+    offsets: NotRequired[dict[str, _Level]]
 
 
 class _Equation(TypedDict):

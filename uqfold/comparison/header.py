@@ -98,7 +98,7 @@ def _system(problem: Problem) -> dict[str, Any]:
                 (f"{name} of {unit}", "", "individual", column)
                 for name, column in zip(own.names, own.columns, strict=True)
             ][own.n_shared :]
-    return {
+    system = {
         "units": problem.n_units,
         "structure": repr(problem.structure),
         "inputs": [
@@ -107,6 +107,9 @@ def _system(problem: Problem) -> dict[str, Any]:
         ],
         "dependence": joint.dependence,
     }
+    if kinds.offsets is not None and kinds.offsets.any():
+        system["offsets"] = dict(zip(problem.unit_names, kinds.offsets.tolist(), strict=True))
+    return system
 
 
 def _modules(plan: ComparisonPlan) -> Iterator[str]:

@@ -111,6 +111,9 @@ def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
     said += f"The response of a unit is its {header['response']}{unit}. "
     if system["units"] > 1 and any(one["role"] == "shared" for one in system["inputs"]):
         said += _SHARED
+    if offsets := system.get("offsets"):
+        added = ", ".join(f"{value:+g} to that of {name}" for name, value in offsets.items())
+        said += f" Units differ: the response gets {added}."
     page.text(literal(said))
     inputs = pd.DataFrame(system["inputs"], columns=["name", "unit", "role", "distribution"])
     inputs["unit"] = inputs["unit"].replace("", "–")
