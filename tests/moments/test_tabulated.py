@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy import stats
+from scipy.interpolate import CubicSpline
 
 from uqfold.moments.conditional import integrable
 from uqfold.moments.tabulated import TabulatedDistribution
@@ -56,6 +57,15 @@ def test_mass_between_breakpoints_is_one() -> None:
     half = 0.5 * np.diff(edges)[:, None]
     x = 0.5 * (edges[1:] + edges[:-1])[:, None] + half * nodes
     assert_allclose(float((table.pdf(x) * half * weights).sum()), 1.0, rtol=1e-10)
+
+
+@pytest.mark.parametrize("n", [4, 5, 97])
+def test_the_curve_is_the_not_a_knot_spline_of_scipy(n: int) -> None:
+    rng = np.random.default_rng(n)
+    levels, scores = (np.cumsum(rng.uniform(0.8, 1.2, n)) for _ in range(2))
+    y = np.linspace(levels[0], levels[-1], 200)
+    expected = CubicSpline(levels, scores)(y)
+    assert_allclose(TabulatedDistribution(levels, scores).score(y), expected, rtol=1e-12)
 
 
 def test_a_spline_that_would_fall_gives_way_to_a_monotone_one() -> None:

@@ -74,15 +74,15 @@ class TabulatedDistribution:
 
     @cached_property
     def _curve(self) -> Any:
-        from scipy.interpolate import CubicSpline, PchipInterpolator
+        from scipy.interpolate import PchipInterpolator, PPoly
 
         x, z = self._position, self.scores
         if x.size >= 4:
-            spline = CubicSpline(x, z)
-            cubic, square, start, _ = spline.c
+            spline = _spline(x, z)
+            cubic, square, start, _ = spline
             lengths = np.diff(x) * np.array([[0.0], [0.25], [0.5], [0.75], [1.0]])
             if float(((3.0 * cubic * lengths + 2.0 * square) * lengths + start).min()) > 0.0:
-                return spline
+                return PPoly.construct_fast(spline, x)
         return PchipInterpolator(x, z)
 
     @cached_property
@@ -93,19 +93,20 @@ class TabulatedDistribution:
         slopes = np.asarray(self._curve(x[[0, -1]], 1))
         return x[[0, -1]], np.where(slopes > 0.1 * chord, slopes, chord)
 
-    def _score(self, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Normal score and its slope per unit of the response."""
-        x = self._scaled(y)
-        (first, last), (before, after) = self._ends
-        inside = np.clip(x, first, last)
-        score = self._curve(inside) + before * np.minimum(x - first, 0.0)
-        score = score + after * np.maximum(x - last, 0.0)
-        slope = np.where(x < first, before, np.where(x > last, after, self._curve(inside, 1)))
-        return np.asarray(score), np.asarray(slope / self._unit)
-
     def score(self, y: ArrayLike) -> FloatArray:
         """Normal score Phi^-1(P(Y <= y))."""
-        return self._score(y)[0]
+        x = self._scaled(y)
+        (first, last), (before, after) = self._ends
+        score = self._curve(np.clip(x, first, last)) + before * np.minimum(x - first, 0.0)
+        return np.asarray(score + after * np.maximum(x - last, 0.0))
+
+    def _slope(self, y: ArrayLike) -> FloatArray:
+        """Slope of the normal score per unit of the response."""
+        x = self._scaled(y)
+        (first, last), (before, after) = self._ends
+        inside = self._curve(np.clip(x, first, last), 1)
+        slope = np.where(x < first, before, np.where(x > last, after, inside))
+        return np.asarray(slope / self._unit)
 
     @property
     def support(self) -> tuple[float, float]:
@@ -134,7 +135,7 @@ class TabulatedDistribution:
         """Return (cdf, sf) at y."""
         from scipy.special import ndtr
 
-        score = self._score(y)[0]
+        score = self.score(y)
         return np.asarray(ndtr(score)), np.asarray(ndtr(-score))
 
     def cdf(self, y: ArrayLike) -> FloatArray:
@@ -147,9 +148,11 @@ class TabulatedDistribution:
 
     def pdf(self, y: ArrayLike) -> FloatArray:
         """Density (per unit of the response)."""
-        score, slope = self._score(y)
+        return self._density(y, self.score(y))
+
+    def _density(self, y: ArrayLike, score: FloatArray) -> FloatArray:
         with np.errstate(over="ignore", under="ignore"):
-            return np.asarray(np.exp(-0.5 * score**2) / _ROOT_TWO_PI * slope)
+            return np.asarray(np.exp(-0.5 * score**2) / _ROOT_TWO_PI * self._slope(y))
 
     def coordinate(self, y: ArrayLike) -> FloatArray:
         """Return y: the density is bounded."""
@@ -159,9 +162,8 @@ class TabulatedDistribution:
         """Response x itself with density and tails."""
         from scipy.special import ndtr
 
-        score, slope = self._score(x)
-        with np.errstate(over="ignore", under="ignore"):
-            density = np.asarray(np.exp(-0.5 * score**2) / _ROOT_TWO_PI * slope)
+        score = self.score(x)
+        density = self._density(x, score)
         return AtCoordinate(np.asarray(x, dtype=float), density, ndtr(score), ndtr(-score))
 
     def ppf(self, p: ArrayLike) -> FloatArray:
@@ -177,10 +179,33 @@ class TabulatedDistribution:
         high = np.full(score.shape, edges[-1])
         for _ in range(45):
             middle = 0.5 * (low + high)
-            below = self._score(middle)[0] < score
+            below = self.score(middle) < score
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return np.asarray(0.5 * (low + high))
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> FloatArray:
         """Independent draws."""
         return self._inverse(rng.standard_normal(size))
+
+
+def _spline(x: FloatArray, z: FloatArray) -> FloatArray:
+    """Coefficients (4, n - 1) of the not-a-knot cubic spline through n >= 4 points.
+
+    They are those of scipy's `CubicSpline`, which would spend most of its time checking arguments:
+    thousands of short tables are made for one answer.
+    """
+    from scipy.linalg.lapack import dgtsv
+
+    dx = x[1:] - x[:-1]
+    chord = (z[1:] - z[:-1]) / dx
+    # the third derivative does not jump at the second point, nor at the last but one
+    start, stop = x[2] - x[0], x[-1] - x[-3]
+    first = ((dx[0] + 2.0 * start) * dx[1] * chord[0] + dx[0] ** 2 * chord[1]) / start
+    last = (dx[-1] ** 2 * chord[-2] + (2.0 * stop + dx[-1]) * dx[-2] * chord[-1]) / stop
+    inner = 3.0 * (dx[1:] * chord[:-1] + dx[:-1] * chord[1:])
+    diagonal = np.concatenate([dx[1:2], 2.0 * (dx[:-1] + dx[1:]), dx[-2:-1]])
+    below, above = np.append(dx[1:], stop), np.append(start, dx[:-1])
+    right = np.concatenate([[first], inner, [last]])
+    slope = dgtsv(below, diagonal, above, right)[3]
+    bend = (slope[:-1] + slope[1:] - 2.0 * chord) / dx
+    return np.array([bend / dx, (chord - slope[:-1]) / dx - bend, slope[:-1], z[:-1]])

@@ -338,10 +338,13 @@ def _tabulated(
     whole = np.maximum(below + above, 1e-300)
     below, above = below / whole, above / whole
     score = np.where(below < above, ndtri(below), -ndtri(above))
-    kept: list[int] = []
-    for index in np.flatnonzero(np.minimum(below, above) > 1e-16):
-        if not kept or score[index] > score[kept[-1]] + _SMALLEST_STEP:
-            kept.append(int(index))
+    some = np.flatnonzero(np.minimum(below, above) > 1e-16)
+    kept: list[int] = some.tolist()
+    if not (np.diff(score[some]) > _SMALLEST_STEP).all():
+        kept = kept[:1]
+        for index in some[1:].tolist():
+            if score[index] > score[kept[-1]] + _SMALLEST_STEP:
+                kept.append(index)
     if len(kept) < 2:
         middle = min(int(np.searchsorted(below, 0.5)), levels.size - 1)
         return AtomicDistribution((float(levels[middle]),))
