@@ -526,3 +526,37 @@ def test_a_flat_limit_state_is_believed() -> None:
     row = FORM.estimate(problem, criteria(math.exp(0.6)))[0]
     assert row.status == "converged"
     assert row.pf == pytest.approx(ndtr(-3.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("loading", "bend", "start", "threshold", "pf"),
+    [
+        # all units fail of one cause that is too rare to matter to a single one
+        (0.0, 5.0, 4.0, 3.0, 1.1873e-6),
+        # what they share does less than the plane says, beyond the design point of one
+        (0.9, -3.0, 3.0, 2.0, 5.8038e-3),
+        (0.9, 0.0, 0.0, 2.0, 6.5418e-3),
+    ],
+)
+def test_the_plane_is_looked_at_where_units_in_parallel_fail_together(
+    loading: float, bend: float, start: float, threshold: float, pf: float
+) -> None:
+    def shared(v: FloatArray) -> FloatArray:
+        return loading * v + bend * np.maximum(v - start, 0.0)
+
+    own = math.sqrt(1.0 - loading**2)
+    problem = uqfold.Problem(
+        lambda x: shared(x[:, 0]) + own * x[:, 1],
+        shared={"V": STANDARD}, individual={"U": STANDARD}, units=3, structure=uqfold.Parallel(),
+    )  # fmt: skip
+    z = np.linspace(-9.0, 9.0, 9001)
+    density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
+    exact_pf = np.trapezoid(ndtr((shared(z) - threshold) / own) ** 3 * density, z)
+    assert exact_pf == pytest.approx(pf, rel=1e-3)
+    row = FORM.estimate(problem, uqfold.Criterion(threshold))[0]
+    if bend == 0.0:
+        assert row.status == "converged"
+        assert row.pf == pytest.approx(exact_pf, rel=1e-6)
+    else:
+        assert row.status == "doubtful"
+        assert "where the system fails" in row.message

@@ -8,11 +8,13 @@ relative ones of the smaller of the two probabilities of one unit, as natural lo
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from uqfold.methods.design_point import NOTICEABLE, Search, SecondLook
+from uqfold.methods.design_point_of_system import SystemPlace
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -247,13 +249,20 @@ class Surroundings:
 
 
 def with_error(
-    estimate: Estimate, search: Search, look: SecondLook, problem: Problem, missions: Missions
+    estimate: Estimate,
+    search: Search,
+    look: SecondLook,
+    problem: Problem,
+    missions: Missions,
+    places: Sequence[SystemPlace] = (),
 ) -> Estimate:
     """Add to FORM's answer the error that the second look shows, and the verdict by it.
 
     In one unit curvatures of opposite signs cancel; in a system, where shared and individual inputs
     do different things, each counts. How units go together is also taken from where the search
-    started, and the difference counts.
+    started, and from the places where the system fails, and the difference counts. What is wrong
+    about one unit may be a cause that all of them have in common: in no structure is what is seen
+    to be wrong smaller than it would be in series.
     """
     from scipy.special import log_ndtr, ndtri_exp
 
@@ -272,26 +281,34 @@ def with_error(
 
     units = SystemUnits.of(problem)
 
-    def system(index: float, correlation: float) -> tuple[float, float]:
-        return linearised_failure(index, correlation, units, missions)
+    def index_of(log_factor: float) -> float:
+        return -side * float(ndtri_exp(min(log_small + log_factor, -1e-3)))
 
-    def changed(log_factor: float) -> tuple[float, float]:
-        index = -float(ndtri_exp(min(log_small + log_factor, -1e-3)))
-        return system(side * index, shared)
+    def distance(index: float, correlation: float, system: SystemUnits) -> float:
+        """How far another answer is from FORM's, in the smaller of both probabilities."""
+        if math.isnan(index):
+            return 1.0
+        first, other = (
+            linearised_failure(*plane, system, missions)
+            for plane in ((beta, shared), (index, correlation))
+        )
+        small = 0 if first[0] <= first[1] else 1
+        return abs(other[small] - first[small])
 
-    def distance(other: tuple[float, float]) -> float:
-        """How far another answer is from the estimate, in the smaller of both probabilities."""
-        small = 0 if own[0] <= own[1] else 1
-        return abs(other[small] - own[small])
-
-    own = system(beta, shared)
+    own = linearised_failure(beta, shared, units, missions)
     curved = look.curvature
     if problem.n_units == 1 and missions == 1:
         curved = min(curved, abs(math.log(look.second_order)) + CANCELLED * curved)
     curved = max(curved, look.sampled)
     total = LEAST + curved + look.place + others
-    error = max(distance(changed(total)), distance(changed(-total)))
-    error += distance(system(beta, shared_at_start))
+    error = max(
+        distance(index_of(sign * change), shared, system)
+        for sign in (1.0, -1.0)
+        for change, system in ((total, units), (total - LEAST, SystemUnits(units.count)))
+    )
+    error += distance(beta, shared_at_start, units)
+    apart = sum(one.weight * distance(one.beta, one.rho, units) for one in places)
+    error += apart
     if error <= AGREED * min(own) and estimate.status == "unchecked":
         half = 1.96 * error
         return replace(
@@ -306,7 +323,8 @@ def with_error(
     factor = look.second_order + found
     second = "no number"
     if math.log(factor) < -log_small:
-        second = f"{changed(math.log(factor))[0]:.3g}"
+        index = index_of(math.log(factor))
+        second = f"{linearised_failure(index, shared, units, missions)[0]:.3g}"
     numbers = f"FORM gives pf = {estimate.pf:.3g}, second order {second}"
     if estimate.status == "doubtful":
         return replace(estimate, message=f"{numbers}; {estimate.message}")
@@ -318,6 +336,8 @@ def with_error(
     reason = max(reasons, key=lambda name: reasons[name])
     if total < 0.5 * AGREED:
         reason = "the correlation of units is not the same everywhere"
+    if apart > 0.5 * AGREED * min(own):
+        reason = "the response is not that of the plane where the system fails"
     where = "; ".join(
         f"u = {shown(one.u)}, beta = {one.beta(search.threshold):.4g}"
         for one in (best, *(other for other, _ in search.others))

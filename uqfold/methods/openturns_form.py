@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
@@ -31,6 +31,7 @@ from uqfold.methods.design_point import (
     verdict,
 )
 from uqfold.methods.design_point_check import Surroundings, with_error
+from uqfold.methods.design_point_of_system import places_of_system
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -81,7 +82,8 @@ class OpenTURNSFORM(ReliabilityMethod):
 
     If all this holds, the curvature there, the place of the limit state along the normal, and
     design points that are found from `starts` - 1 other starts tell what FORM leaves out (see
-    `SecondLook`). Up to a tenth of the smaller probability this is the stated error and the status
+    `SecondLook`); units that are not in series are looked at where they fail together, too. Up to a
+    tenth of the smaller probability this is the stated error and the status
     ``converged``; beyond, the status is ``doubtful``, and the message states FORM's number and that
     of second order. It is also ``doubtful`` for a point that nearly fits, for signs of several
     design points (FORM sees one), and for one more than 10 standard deviations away; ``unchecked``
@@ -189,7 +191,17 @@ class OpenTURNSFORM(ReliabilityMethod):
             search = searches[criterion.threshold]
             if search.look is None or search.cut:
                 return estimate
-            return with_error(estimate, search, search.look, problem, criterion.missions)
+            before, response.allowed = session.n_evals, session.n_evals + session.remaining
+            try:
+                places = places_of_system(
+                    response, search, problem.inputs.n_shared, units, criterion.missions
+                )
+            except BudgetExceededError as error:
+                message = f"not looked at where the system fails: {error}"
+                return replace(estimate, status="budget_exhausted", message=message)
+            spent = n_start + point.n_evals + session.n_evals - before
+            estimate = replace(estimate, n_evals_row=spent)
+            return with_error(estimate, search, search.look, problem, criterion.missions, places)
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
         return Solution(estimates, FORMDetails(tuple(points.values()), n_start))

@@ -73,17 +73,7 @@ def linearised_failures(
         density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
         return np.concatenate([failure, success]) * density
 
-    # Around z = beta / sqrt(rho) a unit changes from working to failing, over this width.
-    centre, width = beta / math.sqrt(rho), scale / math.sqrt(rho)
-    edges = np.concatenate(
-        [
-            [-_FARTHEST, -30.0, -22.0, -16.0, 16.0, 22.0, 30.0, _FARTHEST],
-            np.arange(-12.0, 12.5, 1.0),
-            centre + width * np.array([-16, -10, -7, -5, -4, -3, -2, -1, 0, 1, 2, 3, 5, 8, 16]),
-        ]
-    )
-    edges = np.unique(edges[np.abs(edges) <= _FARTHEST])
-    total = np.minimum(integrate(integrand, edges, np.zeros(2 * len(missions))), 1.0)
+    total = np.minimum(integrate(integrand, _edges(beta, rho), np.zeros(2 * len(missions))), 1.0)
     return total[: len(missions)], total[len(missions) :]
 
 
@@ -93,6 +83,47 @@ def linearised_failure(
     """(pf, reliability) for one number of missions; see linearised_failures."""
     pf, reliability = linearised_failures(beta, rho, units, [missions])
     return float(pf[0]), float(reliability[0])
+
+
+def common_factor(
+    beta: float, rho: float, units: SystemUnits, missions: Missions, *, fails: bool
+) -> tuple[float, float]:
+    """Mean and standard deviation of Z, of which all units know, where the system fails or works.
+
+    Parameters
+    ----------
+    beta, rho, units, missions
+        As in `linearised_failures`, but 0 < rho < 1, and one number of missions.
+    fails
+        Whether Z is asked for where the system fails, or where it works.
+    """
+
+    def integrand(z: FloatArray) -> FloatArray:
+        x = (math.sqrt(rho) * z - beta) / math.sqrt(1.0 - rho)
+        chance = _over_units(x, units, [missions])[0 if fails else 1][0]
+        moments = np.stack([np.ones_like(z), z, z**2])
+        return np.asarray(chance * np.exp(-0.5 * z**2) * moments)
+
+    edges = _edges(beta, rho)
+    total, first, second = integrate(integrand, edges, np.zeros(3)).tolist()
+    if not total > 0.0:
+        return 0.0, 1.0
+    mean = first / total
+    return mean, math.sqrt(max(0.0, second / total - mean**2))
+
+
+def _edges(beta: float, rho: float) -> FloatArray:
+    """Where to divide an integral over z."""
+    # around z = beta / sqrt(rho) a unit changes from working to failing, over this width
+    centre, width = beta / math.sqrt(rho), math.sqrt((1.0 - rho) / rho)
+    edges = np.concatenate(
+        [
+            [-_FARTHEST, -30.0, -22.0, -16.0, 16.0, 22.0, 30.0, _FARTHEST],
+            np.arange(-12.0, 12.5, 1.0),
+            centre + width * np.array([-16, -10, -7, -5, -4, -3, -2, -1, 0, 1, 2, 3, 5, 8, 16]),
+        ]
+    )
+    return np.unique(edges[np.abs(edges) <= _FARTHEST])
 
 
 def _normal_tails(beta: float) -> tuple[float, float]:
