@@ -24,6 +24,8 @@ from uqfold import plots, provenance
 from uqfold.report import Page
 from uqfold.writing import write_text
 
+SCHEMA = "uqfold-study-results/2"
+"""What the record of a study says of the form of its tables; none said is the present one."""
 STORE = Path(__file__).resolve().parent / ".cache" / "evaluations.db"
 FORMULAS = ("series", "four-bar")
 """Problems whose model is faster than the disk: nothing of them is kept."""
@@ -188,7 +190,10 @@ class Run:
         command = f"python studies/{self.name}/study.py{' --quick' if self.quick else ''}"
         made = provenance.made_by(*NUMBERS_BY, command=command)
         seconds = round(time.perf_counter() - self._began)
-        self.record = {"quick": self.quick, **made, "seconds": seconds, "tables": [*self.tables]}
+        self.record = {
+            "schema": SCHEMA, "quick": self.quick, **made, "seconds": seconds,
+            "tables": [*self.tables],
+        }  # fmt: skip
         if self.out is not None:
             text = json.dumps(self.record, indent=1, ensure_ascii=False) + "\n"
             write_text(self.out / "results" / "record.json", text)
@@ -233,9 +238,20 @@ def main(
 
 
 def read_run(folder: Path) -> Run:
-    """Read the tables and the record of a study that has been run."""
+    """Read the tables and the record of a study that has been run.
+
+    Raises
+    ------
+    ValueError
+        If they are of another schema.
+    """
     run, results = Run(folder.name), folder / "results"
     run.record = json.loads((results / "record.json").read_text(encoding="utf-8"))
+    schema = run.record.get("schema", SCHEMA)
+    if schema != SCHEMA:
+        raise ValueError(
+            f"{results}: the tables are of schema {schema!r}, not {SCHEMA!r}: run the study again"
+        )
     run.quick = run.record["quick"]
     for name in run.record["tables"]:
         frame = pd.read_csv(
