@@ -153,6 +153,7 @@ def test_a_structure_that_needs_too_many_nodes_is_refused(monkeypatch: Any) -> N
         ("at_least(a, b)", "at_least takes a number"),
         ("at_least(3, a, b)", r"at_least\(3, ...\) counts 2 parts"),
         ("__import__('os')", "is no unit name"),
+        ("pump#1 & valve", "leave out #"),
     ],
 )
 def test_what_is_no_structure_is_refused(expression: str, message: str) -> None:
@@ -169,6 +170,9 @@ def test_a_structure_names_units_of_the_problem() -> None:
     assert SystemUnits.of(problem("u1 | u0")).count == 2
     with pytest.raises(ValueError, match="u2 is the name of 0 units; there are u0, u1"):
         problem("u0 | u2")
+    with pytest.raises(TypeError, match="structure = .*: give Series"):
+        # comparing it with a structure compares its entries
+        Problem(lambda x: x[:, 0], individual=normal(0, 1), units=2, structure=np.ones(2))
 
 
 def test_the_error_of_form_is_that_of_the_structure() -> None:

@@ -164,7 +164,7 @@ class Problem:
         if len(kinds.models) == 1:
             object.__setattr__(self, "model", kinds.model)
             object.__setattr__(self, "inputs", kinds.inputs[0])
-        if self.structure != Series():
+        if not isinstance(self.structure, Series):
             checked_structure(self.structure, self.unit_names)
 
     @classmethod

@@ -85,6 +85,8 @@ class Structure:
 
     def __post_init__(self) -> None:
         keep(self, "expression", text)
+        if "#" in self.expression:
+            raise refused("expression", self.expression, "leave out #: no part may be a comment")
         try:
             list(_names_in(self))
         except (SyntaxError, RecursionError, MemoryError):
