@@ -170,7 +170,7 @@ def test_a_structure_names_units_of_the_problem() -> None:
     assert SystemUnits.of(problem("u1 | u0")).count == 2
     with pytest.raises(ValueError, match="u2 is the name of 0 units; there are u0, u1"):
         problem("u0 | u2")
-    with pytest.raises(TypeError, match="structure = .*: give Series"):
+    with pytest.raises(TypeError, match=r"structure = .*: give Series"):
         # comparing it with a structure compares its entries
         Problem(lambda x: x[:, 0], individual=normal(0, 1), units=2, structure=np.ones(2))
 
