@@ -1,16 +1,20 @@
 """Integration over a cheap surface, with the true response as the surface."""
 
+import math
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.special import ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import chi2
 
 from uqfold.problems import four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.problems.structure import Parallel
 from uqfold.system.conditional import system_failures
 from uqfold.system.lines import FINITE, MISSING, NEVER
+from uqfold.system.structure import SystemUnits, diagram
 from uqfold.system.surface import reliability_indices
 from uqfold.system.surface_layout import laid_out, surface_failures
 from uqfold.system.surface_rule import Surface, plan_surface
@@ -220,3 +224,27 @@ def test_units_that_share_a_steep_input_are_told_within_the_stated_error() -> No
     error = system.integration_errors(responses, asked)
     assert (np.abs(index + ndtri(exact)) <= 3.0 * error).all()
     assert (error < 0.02).all()
+
+
+@pytest.mark.parametrize(("threshold", "honest"), [(6.0, True), (8.0, False)])
+def test_shared_inputs_further_out_than_all_nodes_are_part_of_the_error(
+    threshold: float, honest: bool
+) -> None:
+    """Three units in parallel fail where what they share is beyond 7.5 standard deviations."""
+    own = math.sqrt(0.19)
+
+    def surface(u: FloatArray) -> FloatArray:
+        return np.asarray(0.9 * u[:, 0] + own * u[:, 1])
+
+    system = laid_out(
+        surface, 2, 1,
+        SystemUnits(3, diagram(Parallel(), ("a", "b", "c"))), criteria(threshold),
+    )  # fmt: skip
+    responses = system.responses(surface)
+    error = system.integration_errors(responses, criteria(threshold))[0]
+    z = np.linspace(-9.0, 20.0, 20_001)
+    failure = np.exp(3.0 * log_ndtr((0.9 * z - threshold) / own) - 0.5 * z**2)
+    exact = -ndtri(np.trapezoid(failure, z) / math.sqrt(2.0 * math.pi))
+    found = system.indices(surface, criteria(threshold))
+    assert (error < 1e-2) == honest
+    assert (abs(found[0] - exact) < 1e-3) == honest

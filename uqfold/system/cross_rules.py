@@ -22,7 +22,8 @@ LADDER = (*GAUSS, *EQUAL_STEPS)
 The sum over equal steps is spectrally accurate for smooth integrands wherever their peak lies,
 also far out, where the nodes of a Gauss rule are few.
 """
-_REACH = 7.5
+SHARED_REACH = 7.5
+"""Where equal steps end."""
 
 
 @cache
@@ -31,7 +32,7 @@ def ladder_rule(level: int) -> Rule:
     size = LADDER[level]
     if size in GAUSS:
         return gauss_rule(size)
-    nodes = np.linspace(-_REACH, _REACH, size)
+    nodes = np.linspace(-SHARED_REACH, SHARED_REACH, size)
     weights = np.exp(-0.5 * nodes**2)
     return nodes, weights / weights.sum()
 

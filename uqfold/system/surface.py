@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.cross_rules import SHARED_REACH
 from uqfold.system.refinement import TOLERANCE
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface_rule import Surface, SurfaceRule
@@ -34,6 +35,8 @@ _GROUPS, _FEW_PARTS = 8, 1.13
 # Share of what twice as many stations change that the finer ones leave: a sixteenth where the
 # surface is smooth, more at kinks.
 _HALVED = 0.25
+# So many times as likely as at the outermost shared nodes a system may fail beyond them.
+_GROWTH_BEYOND = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,10 +144,11 @@ class SurfaceSystem:
         drawn at random: the standard error, from the scatter of the answers of eight parts, what
         twice as many stations along them change, and what lines and rays contradict each other by.
         """
+        beyond = self._errors_beyond(responses, criteria)
         if not responses.parts:
             left = self.rule.error
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
-            return np.full(len(criteria), error)
+            return np.hypot(error, beyond)
         along = self.errors_along_lines(responses, criteria)
         indices = np.array(
             [
@@ -154,7 +158,33 @@ class SurfaceSystem:
         )
         scatter = _FEW_PARTS * indices.std(axis=0, ddof=1) / math.sqrt(_GROUPS)
         fixed = math.hypot(_ROUNDING, self.rule.error)
-        return np.asarray(np.sqrt(fixed**2 + along**2 + scatter**2))
+        return np.asarray(np.sqrt(fixed**2 + along**2 + scatter**2 + beyond**2))
+
+    def _errors_beyond(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
+        """Error (C,) of the indices from shared variables further out than the outermost nodes.
+
+        Failure there is likelier than at these nodes, but by how much nobody has looked.
+        """
+        from scipy.stats import chi
+
+        nodes = self.rule.shared_nodes
+        radius = np.linalg.norm(nodes, axis=1)
+        edge = np.flatnonzero((radius > 0.999 * SHARED_REACH) & (radius < SHARED_REACH + 0.5))
+        if self.together or edge.size == 0:
+            return np.zeros(len(criteria))
+        weights = np.full(edge.size, 1.0 / edge.size)
+        there = system_failures([responses.whole[i] for i in edge], weights, self.units, criteria)
+        share = _GROWTH_BEYOND * float(chi.sf(SHARED_REACH, nodes.shape[1]))
+        found = self.failures_given(responses, criteria)
+        more = [
+            replace(
+                one,
+                pf=min(1.0, one.pf + share * outer.pf),
+                reliability=min(1.0, one.reliability + share * outer.reliability),
+            )
+            for one, outer in zip(found, there, strict=True)
+        ]
+        return np.abs(reliability_indices(found) - reliability_indices(more))
 
     def errors_along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices from stations too far apart on random lines."""
