@@ -154,5 +154,5 @@ def test_failed_runs_are_doubtful_also_where_the_budget_ends(method: Reliability
     row = method.estimate(failing, criteria(10.6), max_evals=1000, rng=1)[0]
     assert row.pf_low < row.pf_high
     assert row.status == "doubtful"
-    assert "coefficient of variation" in row.message
+    assert "the stated error is above 1% of pf" in row.message
     assert f"{row.n_failed} of {row.n_evals} runs failed" in row.message

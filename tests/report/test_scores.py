@@ -102,11 +102,14 @@ def test_without_any_answer_nothing_is_praised() -> None:
 
 
 def test_answers_without_an_error_are_counted_and_not_called_converged() -> None:
-    card = cards({"one": Told(), "sampled": METHODS["sampled"]})["What failed?"]
+    likely = criteria([10.0, 11.0])
+    both = toy_frame(likely, {"one": Told(), "sampled": METHODS["sampled"]})
+    card = cards_of(both)["What failed?"]
     assert card["answer"] == "Nothing"
     assert card["more"][-1] == "2 of 4 answers are unchecked."
     assert card["tone"] == ""
-    assert cards({"sampled": METHODS["sampled"]})["What failed?"]["tone"] == "good"
+    sampled = toy_frame(likely, {"sampled": METHODS["sampled"]})
+    assert cards_of(sampled)["What failed?"]["tone"] == "good"
 
 
 def test_what_is_not_supported_is_no_failure() -> None:
