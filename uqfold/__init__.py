@@ -12,6 +12,6 @@ question; one table, with costs and error bars, says who was right.
 
 from uqfold.lazy import attach_stub
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
