@@ -81,18 +81,22 @@ def test_a_record_is_read_and_written_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "schema"),
+    ("file", "schema", "command"),
     [
-        ("first-comparison.json", "uqfold-comparison/1"),
-        ("study/results/record.json", "uqfold-study-results/1"),
-        ("validation-case.json", "uqfold-validation/1"),
+        ("first-comparison.json", "uqfold-comparison/1", "compare"),
+        ("study/results/record.json", "uqfold-study-results/1", ""),
+        ("validation-case.json", "uqfold-validation/1", "validate"),
     ],
 )
-def test_what_is_not_converted_is_refused_by_name(file: str, schema: str, tmp_path: Path) -> None:
+def test_what_is_not_converted_is_refused_by_name(
+    file: str, schema: str, command: str, tmp_path: Path
+) -> None:
+    """And the command that makes it again is named."""
+    remedy = f".*run it again with `uqfold {command}`" if command else ""
     for read, kind in ((read_records, RecordsError), (read_case_record, RecordError)):
         with pytest.raises(kind, match=f"its schema is '{schema}', not"):
             read(FILES / file)
-    with pytest.raises(ValueError, match=f"its schema is '{schema}', not"):
+    with pytest.raises(ValueError, match=f"its schema is '{schema}', not{remedy}"):
         write_report(FILES / file, tmp_path / "report.html")
 
 

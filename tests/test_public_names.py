@@ -61,13 +61,15 @@ FORMER = {
     "FFNIPearson FFNISaddlepoint Kriging MonteCarlo OpenTURNSFORM OpenTURNSMonteCarlo "
     "PolynomialChaos ReliabilityMethod ReliabilityResult SequentialMethod Solution Task available "
     "build",
+    "plots": "benchmark reliability",
+    "problems.wing": "CONDITIONS",
     "problems": "Problem Reference ReferenceTable Unit folding_wing folding_wing_random_lengths "
     "four_bar four_branch series",
     "report": "ComparisonTable error_against_evaluations reliability_curves report_page "
     "write_figures write_report",
     "testing": "CHECKS ContractError LinearNormalSystem check_method",
 }
-"""Public names of version 0.1.0, by package."""
+"""Public names of version 0.1.0, and those that went since, by package."""
 
 
 @pytest.mark.parametrize("room", FORMER)
@@ -89,6 +91,16 @@ def test_a_public_name_of_the_former_release_works_or_says_what_to_use(room: str
                 getattr(package, name)
     listed = {f"uqfold.{one}.{name}" for one, names in FORMER.items() for name in names.split()}
     assert MOVED.keys() | GONE.keys() <= listed
+
+
+def test_a_from_import_of_a_former_name_warns_once_and_says_what_to_use() -> None:
+    """It asks twice: `from uqfold.evidence import Finding` warned for both."""
+    with pytest.warns(DeprecationWarning, match=r"uqfold\.validation\.Finding now") as told:
+        from uqfold.evidence import Finding
+    assert Finding is uqfold.validation.Finding
+    assert [one.filename for one in told] == [__file__]
+    with pytest.raises(ImportError, match=r"a uqfold\.validation\.Points now"):
+        from uqfold.evidence import Axis  # noqa: F401
 
 
 def test_a_type_checker_sees_a_misspelt_method(

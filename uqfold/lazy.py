@@ -6,12 +6,16 @@ They are written once, in the package's ``__init__.pyi``, from which type checke
 from __future__ import annotations
 
 import ast
+import os
 import sys
 import warnings
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from types import FrameType
 from typing import Any
+
+_WITHIN = f"{Path(__file__).parent}{os.sep}"
 
 MOVED = {
     "uqfold.comparison.Case": "uqfold.comparison.NamedProblem",
@@ -35,7 +39,7 @@ MOVED = {
 }
 """Public name of the former release -> what it is now; still understood, with a warning."""
 _POINTS = "a figure of a case is a uqfold.validation.Points now"
-_BAUMGARTE = "the paper's own form is part of the case validation/baumgarte_form now"
+_BAUMGARTE = "the paper's own form is in validation/mechanism/baumgarte.py now"
 GONE = {
     "uqfold.comparison.MethodRun": "run_comparison yields the frame of all finished methods now",
     "uqfold.comparison.Records": "a comparison is a pandas frame now, as read_records returns it",
@@ -47,6 +51,9 @@ GONE = {
     "uqfold.evidence.StoredResult": "a record quotes no other record now",
     "uqfold.mechanism.BaumgarteTrajectory": _BAUMGARTE,
     "uqfold.mechanism.baumgarte_trajectory": _BAUMGARTE,
+    "uqfold.plots.benchmark": "a benchmark is drawn by uqfold.plots.benchmark_panels now",
+    "uqfold.plots.reliability": 'it is uqfold.plots.reliability_panels(frame, ["pf"]) now',
+    "uqfold.problems.wing.CONDITIONS": "the paper's conditions are in studies/paper.py now",
 }
 """Public name of the former release that nothing can stand for -> what to use in its place."""
 
@@ -94,12 +101,27 @@ def former(package: str, name: str) -> Any:
     ------
     AttributeError
         If the package had no such name, or nothing can stand for it; the message says what to use.
+    ImportError
+        With the same message, where a ``from`` import asks for what nothing can stand for.
     """
     known = f"{package}.{name}"
+    # `from package import name` asks twice, first whether it is there
+    by_import = sys._getframe(2).f_code.co_name == "_handle_fromlist"
+    if known in GONE:
+        kind = ImportError if by_import else AttributeError
+        raise kind(f"module {package!r} has no attribute {name!r}: {GONE[known]}")
     if known not in MOVED:
-        hint = f": {GONE[known]}" if known in GONE else ""
-        raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
-    # told to whoever asked the package
-    warnings.warn(f"{known} is {MOVED[known]} now", DeprecationWarning, 3)
+        raise AttributeError(f"module {package!r} has no attribute {name!r}")
+    if not by_import:
+        warn_caller(f"{known} is {MOVED[known]} now", DeprecationWarning)
     home, _, name_there = MOVED[known].rpartition(".")
     return getattr(import_module(home), name_there)
+
+
+def warn_caller(message: str, category: type[Warning]) -> None:
+    """Warn at the line outside this package that led here."""
+    frame: FrameType | None = sys._getframe(1)
+    level = 2
+    while frame is not None and frame.f_code.co_filename.startswith(_WITHIN):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, category, stacklevel=level)

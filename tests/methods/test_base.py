@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from uqfold.comparison import plan_comparison
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import (
     ConditionalMonteCarlo,
@@ -275,8 +276,13 @@ def test_the_former_name_of_active_kriging_is_understood_with_a_warning() -> Non
     """``ak-mcs`` did no crude Monte Carlo: it is ``active-kriging`` now, for one release both."""
     assert "ak-mcs" not in available()
     assert build("active-kriging").name == "active-kriging"
-    with pytest.warns(FutureWarning, match="'ak-mcs' is called 'active-kriging' now"):
+    said = "'ak-mcs' is called 'active-kriging' now"
+    with pytest.warns(FutureWarning, match=said) as told:
         assert build("ak-mcs") == build("active-kriging")
+    assert told[0].filename == __file__
+    with pytest.warns(FutureWarning, match=said) as told:
+        plan_comparison(SYSTEM.problem(), "ak-mcs", criteria(11.0))
+    assert told[0].filename == __file__, "where it is asked for, however deep it is built"
 
 
 @dataclass(frozen=True)

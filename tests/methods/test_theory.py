@@ -25,6 +25,13 @@ def test_every_method_states_idea_equations_and_references(name: str) -> None:
     assert theory.summary not in others
 
 
+def test_conditional_monte_carlo_says_for_which_systems_its_formula_holds() -> None:
+    theory = available()["conditional-mc"].theory
+    assert "In series of equal units" in theory.summary
+    assert theory.equations[0].lead.startswith("In series of n equal units")
+    assert theory.equations[1].lead.startswith("in all other systems")
+
+
 def test_a_method_without_a_note_is_described_by_its_docstring() -> None:
     assert Theory.of(Quick).summary == "Answers at once, whatever the problem."
     assert len(METHODS) >= 9

@@ -121,7 +121,10 @@ def _frame(document: Any) -> pd.DataFrame:
         raise TypeError("it holds no JSON object")
     schema = document.get("schema")
     if schema not in (SCHEMA, EARLIER):
-        raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}")
+        remedy = ""
+        if str(schema).startswith("uqfold-comparison/"):
+            remedy = ", and it cannot be converted: run it again with `uqfold compare`"
+        raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}{remedy}")
     later = {"schema": SCHEMA, "source": {}, "finished": []} if schema == EARLIER else {}
     record = RECORD.validate_python({**document, **later}, strict=True)
     if record["columns"] != list(COLUMNS):

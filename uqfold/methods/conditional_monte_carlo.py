@@ -53,9 +53,11 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     """Monte Carlo on the real model that uses the structure of the system, and nothing else.
 
     Units and missions are independent given the shared inputs. So each draw of the shared inputs
-    gets several missions of responses, and all ways to choose among them the responses of one
-    system are averaged (see `uqfold.system.failure_counts`), without bias and without a model of
-    their distribution. Within a block the shared draws are stratified (Latin hypercube).
+    gets several missions of responses. In series of equal units all ways to choose among them the
+    responses of one system are averaged (see `uqfold.system.failure_counts`); in all other
+    systems, and under a synchronization threshold, the missions that fail are counted in six
+    random arrangements. Both are without bias and without a model of the distribution. Within a
+    block the shared draws are stratified (Latin hypercube).
 
     Attributes
     ----------

@@ -8,6 +8,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 
 from uqfold.checks import choice, raised, shown
+from uqfold.lazy import warn_caller
 from uqfold.methods.base import ReliabilityMethod
 
 ENTRY_POINT_GROUP = "uqfold.methods"
@@ -57,7 +58,7 @@ def named(argument: str, name: object) -> ReliabilityMethod:
     methods, left_out = _found()
     if isinstance(name, str) and name in FORMER:
         called = FORMER[name]
-        warnings.warn(f"the method {name!r} is called {called!r} now", FutureWarning, stacklevel=3)
+        warn_caller(f"the method {name!r} is called {called!r} now", FutureWarning)
         name = called
     if isinstance(name, str) and name in left_out and name not in methods:
         raise ValueError(f"the method {name!r} is not available: {left_out[name]}")

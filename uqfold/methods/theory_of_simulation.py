@@ -37,20 +37,23 @@ MONTE_CARLO = Theory(
 CONDITIONAL_MONTE_CARLO = Theory(
     summary=(
         "Monte Carlo on the real model that uses the structure of the system. Each draw of the "
-        "shared inputs gets several missions of responses; given the draw these are independent "
-        "and alike, so all ways to choose the responses of one system among them are averaged. "
+        "shared inputs gets several missions of responses, which are independent given the draw. "
+        "In series of equal units they are also alike, so all ways to choose the responses of one "
+        "system among them are averaged. Where units differ, in any other structure and under a "
+        "synchronization threshold, the responses are put together to missions in six random "
+        "ways, each unit that differs keeping its own, and the missions that fail are counted. "
         "Within a block the shared draws are stratified; the stated error is that of sampling, "
         "from the spread of the block means."
     ),
     equations=(
         Equation(
-            "With F failed responses among the K = n B of a shared draw, the probability that n "
-            "units over m missions all work is estimated without bias by",
+            "In series of n equal units, with F failed responses among the K = n B of a shared "
+            "draw, the probability that all work over m missions is estimated without bias by",
             r"\hat{q} = \binom{K - F}{n m} \Big/ \binom{K}{n m}",
         ),
         Equation(
-            "under a synchronization threshold, with F failed missions among B, averaged over "
-            "several arrangements of the responses into missions, by",
+            "in all other systems, with F failed missions among the B of an arrangement, averaged "
+            "over six random arrangements of the responses into missions, by",
             r"\hat{q} = \binom{B - F}{m} \Big/ \binom{B}{m}",
         ),
         Equation(

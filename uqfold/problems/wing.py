@@ -15,10 +15,11 @@ the mechanisms are replaced after each flight. The lengths of crank and rod may 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import instance, mapping, or_none, real, refused
 from uqfold.inputs import normal
+from uqfold.lazy import former
 from uqfold.mechanism import WingParameters
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, criteria
@@ -57,6 +58,11 @@ DEFAULT_THRESHOLDS = (0.545, 0.550, 0.555, 0.560, 0.565, 0.570)
 DEFAULT_TAU = (None, 0.04)
 RANDOM_LENGTHS_THRESHOLDS = (0.360, 0.365, 0.370, 0.375, 0.380, 0.385)
 RANDOM_LENGTHS_TAU = (None, 0.025)
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        return former(__name__, name)
 
 
 def folding_wing(

@@ -146,8 +146,12 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
         document = parsed_json(file.read_text(encoding="utf-8"))
         if not isinstance(document, dict):
             raise TypeError("it holds no JSON object")
-        if document.get("schema") != SCHEMA:
-            raise ValueError(f"its schema is {document.get('schema')!r}, not {SCHEMA!r}")
+        schema = document.get("schema")
+        if schema != SCHEMA:
+            remedy = ""
+            if str(schema).startswith("uqfold-validation/"):
+                remedy = ", and it cannot be converted: run it again with `uqfold validate`"
+            raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}{remedy}")
         # records of uqfold 0.1 quote there what the full tier had found
         document.pop("stored", None)
         record = _RECORD.validate_python(document)
