@@ -220,13 +220,13 @@ def main(
         asked.add_argument(f"--{name}", action="store_true", help=words)
     options = parser.parse_args()
     if options.check:
-        found = differences(folder, tables, tolerance, STORE)
+        found = differences(_kept(folder), tables, tolerance, STORE)
         print(f"{folder.name}: {f'{len(found)} differences' if found else 'holds'}")
         print(*(f"  {one}" for one in found[:10]), sep="\n")
         sys.exit(1 if found else 0)
     out = folder.parent / ".quick" / folder.name if options.quick else folder
     if options.redraw:
-        run = read_run(folder)
+        run = _kept(folder)
         run.out = out
     else:
         run = Run(folder.name, options.quick, out, STORE)
@@ -237,6 +237,19 @@ def main(
     print(f"{folder.name}: {len(run.tables)} tables and report.md in {out}")
 
 
+def _kept(folder: Path) -> Run:
+    """Return what `read_run` reads, or end with one line that says why it cannot."""
+    try:
+        return read_run(folder)
+    except FileNotFoundError as error:
+        missing = Path(error.filename).relative_to(folder)
+        why = f"there is no {missing}: run it in full first, python studies/{folder.name}/study.py"
+    except ValueError as error:
+        why = str(error)
+    print(f"{folder.name}: {why}", file=sys.stderr)
+    sys.exit(2)
+
+
 def read_run(folder: Path) -> Run:
     """Read the tables and the record of a study that has been run.
 
@@ -244,6 +257,8 @@ def read_run(folder: Path) -> Run:
     ------
     ValueError
         If they are of another schema.
+    FileNotFoundError
+        If the study has not been run in full.
     """
     run, results = Run(folder.name), folder / "results"
     run.record = json.loads((results / "record.json").read_text(encoding="utf-8"))
@@ -298,13 +313,16 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
 
 
 def differences(
-    folder: Path, tables: Tables, tolerance: tuple[float, float], store: Path | None = None
+    committed: Run, tables: Tables, tolerance: tuple[float, float], store: Path | None = None
 ) -> list[str]:
     """Compare the reduced form of a study with its committed tables; return what differs."""
-    committed, fresh = read_run(folder), Run(folder.name, quick=True, store=store)
+    fresh = Run(committed.name, quick=True, store=store)
     tables(fresh)
     found = [f"{name}: not made" for name in committed.tables if name not in fresh.tables]
     for name, frame in fresh.tables.items():
+        if name not in committed.tables:
+            found.append(f"{name}: not among the committed tables")
+            continue
         found += [f"{name}: {one}" for one in compared(committed.tables[name], frame, tolerance)]
     return found
 

@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from uqfold.testing import CHECKS
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "adding.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^`([^`\n]+)`\n\n```\w+\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL))
@@ -21,6 +23,8 @@ LINES = {
 BESIDE = {
     "test_readme.py": "::test_table_of_methods_is_that_of_the_registry",
     "methods/test_theory.py": "",
+    "plots/test_comparison.py": "::test_fifteen_methods_have_a_look_of_their_own",
+    "report/page/test_colors.py": "",
     "test_public_names.py": "",
 }
 """Tests that once had to be changed for a new method, or that see what a package hands out."""
@@ -118,6 +122,11 @@ def test_nothing_else_breaks_when_a_method_is_added(house: Path) -> None:
     tests = (f"tests/{name}{test}" for name, test in BESIDE.items())
     done = run(house, "-m", "pytest", *options, *tests)
     assert done.returncode == 0, done.stdout
+
+
+def test_the_page_says_what_every_check_of_the_contract_wants() -> None:
+    table = PAGE.partition("| check |")[2].partition("\n\n")[0]
+    assert re.findall(r"(?m)^\| `(\w+)` \| \S", table) == list(CHECKS)
 
 
 def test_a_problem_is_one_file(found: dict[str, Any]) -> None:

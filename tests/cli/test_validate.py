@@ -129,7 +129,7 @@ def test_check_measures_nothing(
         record = json.loads((three / "a" / f"{tier[2:]}.json").read_text(encoding="utf-8"))
         assert {fault["verdict"] for fault in record["faults"]} == {"does not hold"}
     assert run("a", "--cases", three, "--check") == 0
-    assert "1 cases: records, code and claims belong together" in capsys.readouterr().err
+    assert "1 case: records, code and claims belong together" in capsys.readouterr().err
 
 
 def test_only_what_is_stale_is_measured(
@@ -142,7 +142,7 @@ def test_only_what_is_stale_is_measured(
     assert run("a", "b", *words) == 0
     said = capsys.readouterr()
     assert "1 of 2 cases have no current record" in said.err
-    assert "1 cases: 1 holds" in said.out
+    assert "1 case: 1 holds" in said.out
     with pytest.raises(SystemExit):
         main(["validate", "a", "b", *map(str, words)])
     assert "0 of 2 cases have no current record" in capsys.readouterr().err

@@ -43,7 +43,8 @@ def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
     # a store of its own: nothing that an earlier run left is taken for a fresh result
     study = loaded(folder)
     store = tmp_path / "evaluations.db"
-    assert runner.differences(folder, study.tables, study.TOLERANCE, store) == []
+    kept = runner.read_run(folder)
+    assert runner.differences(kept, study.tables, study.TOLERANCE, store) == []
 
 
 Asked = dict[str, Any]
@@ -177,6 +178,13 @@ def test_a_study_runs_redraws_and_checks_itself(
 
     monkeypatch.setattr(runner, "STORE", tmp_path / "evaluations.db")
     run("--quick")
+    for option in ("--check", "--redraw"):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            run(option)
+        assert ended.value.code == 2
+        (said,) = capsys.readouterr().err.splitlines()
+        assert "there is no results/record.json: run it in full first" in said
     (tmp_path / ".quick" / "example-1").rename(script.parent)
     assert runner.read_run(script.parent).record["quick"] is True
     assert len(list(script.parent.glob("figures/*.png"))) == 5
@@ -195,3 +203,7 @@ def test_a_study_runs_redraws_and_checks_itself(
         run("--check")
     assert ended.value.code == 1
     assert "not among the committed rows" in capsys.readouterr().out
+    kept = runner.read_run(script.parent)
+    kept.tables.pop("sync")
+    found = runner.differences(kept, study.tables, study.TOLERANCE, tmp_path / "evaluations.db")
+    assert "sync: not among the committed tables" in found

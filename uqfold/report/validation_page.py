@@ -13,7 +13,7 @@ from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone, typeset
 from uqfold.report.page.markup import literal
 from uqfold.report.validation_case import VERDICT_TONES, case_anchor, case_section
-from uqfold.report.verdicts import faults_text, kept_text, limits_text, reasons
+from uqfold.report.verdicts import cases_text, faults_text, kept_text, limits_text, reasons
 from uqfold.validation.findings import Verdict
 from uqfold.validation.kept import Changes, fingerprint
 from uqfold.validation.record import CaseRecord
@@ -131,7 +131,7 @@ def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
     ]
     unjudged = [one for one in records if one.verdict == "cannot be judged" and one not in failing]
     tone: Tone = "bad" if failing else "warn" if unjudged else "good"
-    answer = {0: "Nothing", 1: "1 case"}.get(len(failing), f"{len(failing)} cases")
+    answer = cases_text(len(failing)) if failing else "Nothing"
     page.card(title, answer, *map(_first_reason, failing or unjudged), tone=tone)
 
 

@@ -75,9 +75,14 @@ def kept_text(changes: Sequence[Changes]) -> str:
     return ", ".join(words)
 
 
+def cases_text(number: int) -> str:
+    """Return a number of cases, in words that agree with it."""
+    return "1 case" if number == 1 else f"{number} cases"
+
+
 def counts_text(records: Sequence[CaseRecord]) -> str:
     """Return the number of cases by verdict, and of planted faults that were noticed."""
-    text = f"{len(records)} cases: {_listed([record.verdict for record in records])}"
+    text = f"{cases_text(len(records))}: {_listed([record.verdict for record in records])}"
     for record in records:
         if record.claims:
             of_claims = _listed(list(record.claims.values()))
