@@ -162,7 +162,7 @@ def test_folders_and_files_of_records_give_the_same_report(tmp_path: Path) -> No
     for record in records():
         path = write_case_record(record, tmp_path / "run" / f"{record.name}.json")
     assert "4 claims in 4 cases" in built(tmp_path / "run").lead
-    assert "1 claims in 1 cases" in built(path).lead
+    assert "1 claim in 1 case, each with what" in built(path).lead
     # the folder of the cases: of each the most thorough record that is kept
     [case] = load_cases(make_case(tmp_path / "cases", declared=DECLARED))
     for tier in ("quick", "full"):

@@ -17,7 +17,7 @@ from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
 from uqfold.report.validation_page import validation_page
-from uqfold.report.verdicts import cases_text, kept_text, print_verdicts
+from uqfold.report.verdicts import counted, kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
 from uqfold.validation.kept import (
     Changes,
@@ -139,5 +139,5 @@ def check_cases(cases: Sequence[Case]) -> int:
             say(f"{name}: {text}")
     wrong = any(found.values())
     if not wrong:
-        say(f"{cases_text(len(cases))}: records, code and claims belong together")
+        say(f"{counted(len(cases), 'case')}: records, code and claims belong together")
     return EXIT_FAILED if wrong else 0

@@ -13,7 +13,7 @@ from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone, typeset
 from uqfold.report.page.markup import literal
 from uqfold.report.validation_case import VERDICT_TONES, case_anchor, case_section
-from uqfold.report.verdicts import cases_text, faults_text, kept_text, limits_text, reasons
+from uqfold.report.verdicts import counted, faults_text, kept_text, limits_text, reasons
 from uqfold.validation.findings import Verdict
 from uqfold.validation.kept import Changes, fingerprint
 from uqfold.validation.record import CaseRecord
@@ -42,8 +42,8 @@ def validation_page(
     tiers = Counter(record.tier for record in records)
     page = Page(
         "Does uqfold compute what it claims?",
-        f"{len(_verdicts(records))} claims in {len(records)} cases, each with what it is "
-        "compared with, a tolerance with its reason, and a verdict. Measured "
+        f"{counted(len(_verdicts(records)), 'claim')} in {counted(len(records), 'case')}, each "
+        "with what it is compared with, a tolerance with its reason, and a verdict. Measured "
         f"{' to '.join(dict.fromkeys((days[0], days[-1])))}, "
         f"{', '.join(f'{count} in the {tier} tier' for tier, count in tiers.items())}; the times "
         f"of the cases add up to {_total_time(records)}.",
@@ -131,7 +131,7 @@ def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
     ]
     unjudged = [one for one in records if one.verdict == "cannot be judged" and one not in failing]
     tone: Tone = "bad" if failing else "warn" if unjudged else "good"
-    answer = cases_text(len(failing)) if failing else "Nothing"
+    answer = counted(len(failing), "case") if failing else "Nothing"
     page.card(title, answer, *map(_first_reason, failing or unjudged), tone=tone)
 
 

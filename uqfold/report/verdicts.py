@@ -75,18 +75,18 @@ def kept_text(changes: Sequence[Changes]) -> str:
     return ", ".join(words)
 
 
-def cases_text(number: int) -> str:
-    """Return a number of cases, in words that agree with it."""
-    return "1 case" if number == 1 else f"{number} cases"
+def counted(number: int, thing: str) -> str:
+    """Return a number of things, for instance ``1 case`` or ``2 cases``."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def counts_text(records: Sequence[CaseRecord]) -> str:
     """Return the number of cases by verdict, and of planted faults that were noticed."""
-    text = f"{cases_text(len(records))}: {_listed([record.verdict for record in records])}"
+    text = f"{counted(len(records), 'case')}: {_listed([record.verdict for record in records])}"
     for record in records:
         if record.claims:
             of_claims = _listed(list(record.claims.values()))
-            text += f"; {len(record.claims)} claims of {record.name}: {of_claims}"
+            text += f"; {counted(len(record.claims), 'claim')} of {record.name}: {of_claims}"
     noticed = faults_text(records)
     return text if noticed == "not planted" else f"{text}; {noticed} planted faults noticed"
 
