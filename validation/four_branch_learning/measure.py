@@ -30,7 +30,7 @@ def measure(work: Work) -> Measurement:
     runs = [partial(ask, seed=seed) for seed in range(first, first + count)]
     rows = pd.concat(work.parts({str(run.keywords["seed"]): run for run in runs}).values())
     if work.fault == "overconfident":
-        rows["z"] *= 4.0
+        rows["z"] *= 10.0
     errors, runs_taken = rows["error"], rows["n_evals"]
     sure = rows[rows["status"] == "converged"]
     scatter = errors.std() / math.sqrt(count)
