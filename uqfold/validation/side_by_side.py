@@ -69,8 +69,8 @@ def side_by_side(
     except BrokenProcessPool:
         return
     finally:
-        workers.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             if process not in before:
                 process.terminate()
-                process.join()
+        # the pool's own thread takes leave of them: two that wait for one process can miss its end
+        workers.shutdown(cancel_futures=True)
