@@ -15,7 +15,7 @@ import numpy as np
 
 from uqfold.methods.design_point import NOTICEABLE, Search, SecondLook
 from uqfold.methods.design_point_of_system import SystemPlace
-from uqfold.methods.result import Estimate
+from uqfold.methods.result import NORMAL_95, Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
     NoGradientError,
@@ -310,7 +310,7 @@ def with_error(
     apart = sum(one.weight * distance(one.beta, one.rho, units) for one in places)
     error += apart
     if error <= AGREED * min(own) and estimate.status == "unchecked":
-        half = 1.96 * error
+        half = NORMAL_95 * error
         return replace(
             estimate,
             std_error=error,

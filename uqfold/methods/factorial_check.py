@@ -28,7 +28,7 @@ from uqfold.methods.factorial_runs import (
     rules_of,
     tested_surface,
 )
-from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate
 from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.moments.cubic_normal import cubic_normal
 from uqfold.moments.cumulants import moments_from_rule
@@ -58,7 +58,6 @@ _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
 _BLURRED = 0.05
 """Share of tau by which responses may miss the polynomial."""
-_NORMAL_95 = 1.959963984540054
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,8 +299,8 @@ def _judged(
     return replace(
         estimate,
         std_error=stated,
-        ci_low=max(pf - _NORMAL_95 * stated, 0.0),
-        ci_high=min(pf + _NORMAL_95 * stated, 1.0),
+        ci_low=max(pf - NORMAL_95 * stated, 0.0),
+        ci_high=min(pf + NORMAL_95 * stated, 1.0),
         ci_kind="normal 95 %, from rules and distributions compared",
         error_kind="surrogate",
         status="converged",

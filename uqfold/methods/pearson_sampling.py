@@ -17,14 +17,13 @@ from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import doubts_about_responses
 from uqfold.methods.factorial_design import FFNIDetails
-from uqfold.methods.result import Estimate
+from uqfold.methods.result import NORMAL_95, Estimate
 from uqfold.problems.criterion import Binomial, Missions
 from uqfold.system.conditional import grouped
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray, IntArray
 
-_NORMAL_95 = 1.959963984540054
 _CHUNK_VALUES = 4_000_000
 """Responses held in memory at once; part of the meaning of a seed."""
 _FEW = 10
@@ -121,8 +120,8 @@ def sampled_failure(
                 pf_low=min(float(lowest[i]), value),
                 pf_high=max(min(float(lowest[i]) + unknown, 1.0), value),
                 std_error=spread,
-                ci_low=max(value - _NORMAL_95 * spread, 0.0),
-                ci_high=min(value + _NORMAL_95 * spread, 1.0),
+                ci_low=max(value - NORMAL_95 * spread, 0.0),
+                ci_high=min(value + NORMAL_95 * spread, 1.0),
                 ci_kind="" if math.isnan(spread) else "normal 95 %, sampling only",
                 error_kind="sampling",
                 status="doubtful" if reasons else "budget_exhausted" if stopped else "unchecked",

@@ -25,7 +25,8 @@ ErrorKind: TypeAlias = Literal["sampling", "surrogate", "none"]
 NO_ANSWER: frozenset[str] = frozenset({"unsupported", "failed"})
 TARGET_COV = 0.1
 """Largest stated error, relative to pf, of a row that is not ``doubtful``, where none is set."""
-_T95 = 1.96
+NORMAL_95 = 1.959963984540054
+"""Half the width of a normal 95 % interval, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Estimate:
     @property
     def stated_error(self) -> float:
         """The standard error; where it is zero or missing, what the interval stands for; or NaN."""
-        by_interval = (self.ci_high - self.ci_low) / (2.0 * _T95)
+        by_interval = (self.ci_high - self.ci_low) / (2.0 * NORMAL_95)
         if self.std_error > 0.0 or not math.isfinite(by_interval):
             return self.std_error
         return by_interval

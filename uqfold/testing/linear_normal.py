@@ -9,11 +9,11 @@ makes of failures is added up over all states of the units.
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,9 @@ from uqfold.problems.structure import (
     PathSets,
     Series,
     SystemStructure,
+    branches,
     checked_structure,
+    syntax_tree,
 )
 from uqfold.typing import FloatArray
 
@@ -146,9 +148,15 @@ def _works(structure: SystemStructure, works: Sequence[bool]) -> bool:
         return any(all(works[i] for i in path) for path in structure.sets)
     if isinstance(structure, Series):
         return all(works)
-    known: dict[str, Any] = {f"u{i}": one for i, one in enumerate(works)}
-    known["at_least"] = lambda k, *parts: sum(parts) >= k
-    return bool(eval(structure.expression, {"__builtins__": {}}, known))
+    return _is_true(syntax_tree(structure), works)
+
+
+def _is_true(node: ast.expr, works: Sequence[bool]) -> bool:
+    """Whether enough parts of an expression work, in which unit i is called ui."""
+    if isinstance(node, ast.Name):
+        return works[int(node.id.removeprefix("u"))]
+    k, parts = branches(node)
+    return sum(_is_true(part, works) for part in parts) >= k
 
 
 def normal_rule(kinks: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,6 +1,6 @@
 """How often the verdict of FFNI is right: prints the table of docs/ffni.md.
 
-    python -m docs.verdicts
+    python -m validation.benchmarks.ffni_verdicts
 
 asks both methods about the paper's examples, linear and curved systems of several units, and the
 problems of the validation case "no false confidence"; some minutes.
