@@ -237,8 +237,11 @@ def test_wall_clock_limit_ends_monte_carlo_with_the_systems_that_are_complete(
             models.problem(models.Uneven(0.005)), ASKED, rng=8, evaluator=evaluator
         )
         assert time.monotonic() - started < 10.0
-        assert {row.status for row in result} == {"budget_exhausted"}
-        assert "the wall-clock limit of 1 s is over" in result[0].message
+        for row in result:
+            # how many systems there are by then depends on the machine
+            known = 0.0 < row.std_error <= 0.1 * row.pf
+            assert row.status == ("budget_exhausted" if known else "doubtful")
+            assert "the wall-clock limit of 1 s is over" in row.message
         assert result.details.n_systems > 0
         # the last block is perhaps cut, those before are whatever ends them
         whole = int((result.details.history_systems % 4096 == 0).sum())
