@@ -230,11 +230,14 @@ def test_wall_clock_limit_ends_monte_carlo_with_the_systems_that_are_complete(
     pool: Processes,
 ) -> None:
     slow = per_sample(_slow)
+    # the workers are there before the clock runs
+    warm = Evaluator(executor=pool, batch_rows=1)
+    warm.session(models.Uneven(), 2, None).evaluate(models.rows(40))
     for executor in (None, pool):
         started = time.monotonic()
         evaluator = Evaluator(max_seconds=1.0, executor=executor, batch_rows=2048)
         result = MonteCarlo(systems=10**7).estimate(
-            models.problem(models.Uneven(0.005)), ASKED, rng=8, evaluator=evaluator
+            models.problem(models.Uneven(0.001)), ASKED, rng=8, evaluator=evaluator
         )
         assert time.monotonic() - started < 10.0
         for row in result:
