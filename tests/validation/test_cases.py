@@ -19,7 +19,6 @@ QUICK = {
     "mechanism_energy",
     "mechanism_limits",
     "openturns_form",
-    "sample_sizes",
 }
 """Cases whose faults take seconds; the others are slow."""
 

@@ -15,7 +15,6 @@ import pytest
 from uqfold.validation import Claim, Finding, Verdict, verdict_of
 from uqfold.validation.case import load_cases
 from uqfold.validation.runner import sources
-from validation.paper import lengths
 from validation.paper.faults import FAULTS
 from validation.paper.measure import CLAIMS, judge
 from validation.paper.results import IDENTITY, read_results
@@ -44,13 +43,6 @@ def judged(key: str, results: Results) -> Judged:
 @pytest.fixture(scope="module")
 def committed() -> Results:
     return read_results()
-
-
-@pytest.fixture(autouse=True)
-def no_scan(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The scan of deployment times takes seconds, and judges nothing."""
-    rows = pd.DataFrame({"wings": [1], "smallest ratio": [0.6], "largest ratio": [0.7]})
-    monkeypatch.setattr(lengths, "scanned", lambda: rows)
 
 
 def set_pf(frame: pd.DataFrame, rows: "pd.Series[bool]", pf: object) -> None:

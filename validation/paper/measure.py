@@ -10,8 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from pkgutil import resolve_name
 
-from uqfold.validation import Claim, Finding, Measurement, Table, Work, verdict_of
-from validation.paper import lengths
+from uqfold.validation import Claim, Finding, Measurement, Work, verdict_of
 from validation.paper.faults import FAULTS
 from validation.paper.results import Results, read_results
 
@@ -52,9 +51,7 @@ def measure(work: Work) -> Measurement:
         change = FAULTS[work.fault]
         results = {name: change(table) for name, table in results.items()}
     judged = [judge(key, results) for key in CLAIMS]
-    title = "Deployment times over what the text leaves open in Example 6"
     return Measurement(
         [finding for _, findings in judged for finding in findings],
-        [Table.of(title, lengths.scanned().to_dict("records"))],
         claims=[claim for claim, _ in judged],
     )

@@ -1,4 +1,4 @@
-"""Missions, the synchronization threshold tau, and independent wings."""
+"""Missions, the synchronization threshold tau, independent wings, and the range of T."""
 
 from __future__ import annotations
 
@@ -24,6 +24,9 @@ from validation.paper.results import (
     wide,
     widening,
 )
+
+EXAMPLE_3 = 0.57
+"""T (s) from which tau governs in Example 3, as the text says."""
 
 
 def missions(results: Results) -> Iterator[Finding]:
@@ -174,3 +177,41 @@ def _over_units(results: Results, study: str, values: str) -> pd.DataFrame:
     rows = results[f"{study}/independence"]
     table = rows.pivot(index="threshold", columns="units", values=values)
     return table.sort_index(axis=1)
+
+
+def stable_beyond(results: Results, mark: float, stable: float) -> Iterator[Finding]:
+    """Yield the T from which the curves are stable: what the text says by the letter."""
+    found = _stable_from(results, stable)
+    yield Finding("T from which the curves are stable", found, mark, "s")
+
+
+def onset(results: Results, mark: float, stable: float, close: float) -> Iterator[Finding]:
+    """Yield where the curves become stable, and what was tried to mend it."""
+    found = _stable_from(results, stable)
+    yield Finding(
+        f"distance from T = {mark:g} s of the T at which the curves become stable",
+        abs(found - mark),
+        close,
+        "s",
+        remark=f"here they are stable from T = {found:g} s",
+    )
+    times = results["example-6/lock-scan"].pivot(
+        index=["theta_1_initial", "x_lock"], columns="problem", values="time"
+    )
+    finite = times[np.isfinite(times).all(axis=1)]
+    ratios = finite["wing"] / finite["example-3"]
+    yield Finding(
+        "largest ratio of the deployment times at the means of Tables 10 and 6",
+        float(ratios.max()),
+        remark=f"over {len(ratios)} initial poses and lock positions, which the text leaves "
+        f"open; smallest {ratios.min():.3g}; the text's marks, {mark:g} s against "
+        f"{EXAMPLE_3:g} s in Example 3, have the ratio {mark / EXAMPLE_3:.2g}",
+    )
+
+
+def _stable_from(results: Results, stable: float) -> float:
+    """Return the T from which on R stays near its plateau, inf if it never does."""
+    curves = wide(fixed_missions(results["example-6/sync"]), "threshold")
+    away = curves.sub(curves.iloc[:, -1], axis=0).abs().max() > stable
+    later = away.index[away.index > away.index[away].max()]
+    return round(float(later.min()), 6)
