@@ -34,6 +34,11 @@ CUTS = [[0, 1], [2, 3], [1, 4, 2], [0, 3, 5]]
         CutSets(CUTS),
         PathSets(CUTS),
         Structure("at_least(2, u0 & u1, u2 | u3, u4, u0) | u1 and u3 & u5"),
+        Structure("""
+            both = u0 & u1
+            some = at_least(2, both, u2, u3)
+            some & u4 | both & u5 | some & u3
+        """),
     ],
 )
 def test_units_that_differ_in_any_structure(structure: Any) -> None:
@@ -154,6 +159,11 @@ def test_a_structure_that_needs_too_many_nodes_is_refused(monkeypatch: Any) -> N
         ("at_least(3, a, b)", r"at_least\(3, ...\) counts 2 parts"),
         ("__import__('os')", "is no unit name"),
         ("pump#1 & valve", "leave out #"),
+        ("g = a & b", "its last line must say when the system works"),
+        ("g = a\ng = b\ng", "'g' is named again"),
+        ("h = a & g\ng = b\ng & h", "'g' is named again, or after its use"),
+        ("g = a; h = b; h", "the part 'g' is named and not used"),
+        ("a\nb", "'a' names no part"),
     ],
 )
 def test_what_is_no_structure_is_refused(expression: str, message: str) -> None:
@@ -170,6 +180,8 @@ def test_a_structure_names_units_of_the_problem() -> None:
     assert SystemUnits.of(problem("u1 | u0")).count == 2
     with pytest.raises(ValueError, match="u2 is the name of 0 units; there are u0, u1"):
         problem("u0 | u2")
+    with pytest.raises(ValueError, match="'u1' is a part of it and a unit"):
+        problem("u1 = u0\nu1 | u0")
     with pytest.raises(TypeError, match=r"structure = .*: give Series"):
         # comparing it with a structure compares its entries
         Problem(lambda x: x[:, 0], individual=normal(0, 1), units=2, structure=np.ones(2))

@@ -7,12 +7,13 @@ missions. A synchronization threshold needs `Series`.
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterable, Iterator
+import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from uqfold.checks import keep, listed, refused, text, whole
+from uqfold.problems.expression import read
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,13 @@ class PathSets:
 
 @dataclass(frozen=True)
 class Structure:
-    """The system works when an expression of unit names is true, a name standing for "it works".
+    r"""The system works when an expression of unit names is true, a name standing for "it works".
 
     ``&`` (or ``and``) joins what must work together, ``|`` (or ``or``) what can stand in for each
     other; ``&`` binds more tightly. ``at_least(k, a, b, ...)`` is true when k of its parts are. A
     unit without a name is called by its index: ``u0``, ``u1``, ... A unit may stand in several
-    places; one that stands nowhere does not matter.
+    places; one that stands nowhere does not matter. Lines ``name = expression`` above the last one
+    name parts of it, which may stand in several places too.
 
     Attributes
     ----------
@@ -79,72 +81,62 @@ class Structure:
     --------
     >>> Structure("pump_a & pump_b | valve").names
     ('pump_a', 'pump_b', 'valve')
+    >>> Structure("pumps = at_least(2, a, b, c)\npumps & valve | pumps & hatch").names
+    ('a', 'b', 'c', 'valve', 'hatch')
     """
 
     expression: str
 
     def __post_init__(self) -> None:
         keep(self, "expression", text)
-        if "#" in self.expression:
-            raise refused("expression", self.expression, "leave out #: no part may be a comment")
         try:
-            list(_names_in(self))
-        except (SyntaxError, RecursionError, MemoryError):
-            why = "it cannot be read"
+            read(self.expression)
         except ValueError as error:
-            why = str(error)
-        else:
-            return
-        remedy = "give names joined by & and |, or at_least(k, ...), as in 'a & b | c'"
-        raise refused("expression", self.expression, f"{why}; {remedy}")
+            remedy = "give names joined by & and |, or at_least(k, ...), as in 'a & b | c'"
+            raise refused("expression", self.expression, f"{error}; {remedy}") from None
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The units that it names, each once, in order of appearance."""
-        return tuple(dict.fromkeys(_names_in(self)))
+        """The units on which it depends, each once, in order of appearance."""
+        return read(self.expression).names
 
+    @classmethod
+    def from_open_psa(cls, path: str | os.PathLike[str], top: str | None = None) -> Structure:
+        """Read a fault tree in the Open-PSA Model Exchange Format.
 
-def syntax_tree(structure: Structure) -> ast.expr:
-    """Return the expression as a tree of names and of what `branches` takes apart."""
-    return ast.parse(structure.expression.strip(), mode="eval").body
+        Basic events become units, whose models and inputs say how they fail: probabilities in the
+        file are not read. A gate that fails by ``or`` works by ``&``, and so on; house events take
+        their value. Names that Python cannot read as names get ``_`` for what is in the way.
 
+        Parameters
+        ----------
+        path
+            The XML file.
+        top
+            Name of the gate that is the failure of the system; None if there is one gate alone
+            that no other uses.
 
-def branches(node: ast.expr) -> tuple[int, list[ast.expr]]:
-    """Return how many of the parts of a node must work, and these parts.
+        Raises
+        ------
+        ValueError
+            If the file is no such fault tree, has a gate that is not monotone (``not``, ``xor``,
+            ...), uses a gate within itself, or leaves open which gate is meant.
+        OSError
+            If it cannot be read.
 
-    Raises
-    ------
-    ValueError
-        If it joins no parts as the expression of a `Structure` may.
-    """
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd | ast.BitOr):
-        parts, joint = [], type(node.op)
-        while isinstance(node, ast.BinOp) and isinstance(node.op, joint):
-            parts.append(node.right)
-            node = node.left
-        parts.append(node)
-        return (len(parts) if joint is ast.BitAnd else 1), parts[::-1]
-    if isinstance(node, ast.BoolOp):
-        return (len(node.values) if isinstance(node.op, ast.And) else 1), node.values
-    if isinstance(node, ast.Call) and ast.unparse(node.func) == "at_least":
-        if len(node.args) < 2 or node.keywords or not isinstance(node.args[0], ast.Constant):
-            raise ValueError("at_least takes a number and the parts that it counts")
-        k, *parts = node.args[0].value, *node.args[1:]
-        if type(k) is not int or not 1 <= k <= len(parts):
-            raise ValueError(f"at_least({k!r}, ...) counts {len(parts)} parts")
-        return k, parts
-    raise ValueError(f"{ast.unparse(node)!r} is no unit name")
+        Warns
+        -----
+        UserWarning
+            If the file has groups of common-cause failures, which are not read: what units share
+            belongs into ``shared=``.
 
+        References
+        ----------
+        Epstein S, Rauzy A. Open-PSA Model Exchange Format, version 2.0 (2008).
+        """
+        from uqfold.problems.fault_tree import read_open_psa
 
-def _names_in(structure: Structure) -> Iterator[str]:
-    """Yield the units of an expression as often as they stand in it, from left to right."""
-    waiting = [syntax_tree(structure)]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.Name):
-            yield node.id
-        else:
-            waiting.extend(reversed(branches(node)[1]))
+        return cls(read_open_psa(path, top))
 
 
 SystemStructure: TypeAlias = Series | Parallel | KOutOfN | CutSets | PathSets | Structure
@@ -175,6 +167,9 @@ def checked_structure(structure: SystemStructure, names: tuple[str, ...]) -> Sys
         if unknown:
             remedy = f"{unknown[0]} is the name of {names.count(unknown[0])} units"
             raise refused("structure", structure, f"{remedy}; there are {', '.join(names)}")
+        both = sorted(read(structure.expression).parts.keys() & set(names))
+        if both:
+            raise refused("structure", structure, f"{both[0]!r} is a part of it and a unit")
     return structure
 
 

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uqfold.problems.base import Problem
+from uqfold.problems.expression import Expression, branches, read
 from uqfold.problems.structure import (
     CutSets,
     KOutOfN,
@@ -39,8 +40,6 @@ from uqfold.problems.structure import (
     PathSets,
     Series,
     SystemStructure,
-    branches,
-    syntax_tree,
 )
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray, IntArray
@@ -247,9 +246,9 @@ def diagram(structure: SystemStructure, names: tuple[str, ...]) -> Diagram:
         paths = sorted(sorted(one) for one in structure.sets)
         top = builder.joined((builder.at_least(len(one), one) for one in paths), either=False)
     else:
-        levels = {name: level for level, name in enumerate(structure.names)}
-        top = builder.expression(syntax_tree(structure), levels)
-        return builder.diagram(top, [names.index(name) for name in structure.names])
+        expression = read(structure.expression)
+        top = builder.expression(expression)
+        return builder.diagram(top, [names.index(name) for name in expression.names])
     return builder.diagram(top, range(n))
 
 
@@ -291,11 +290,20 @@ class _Builder:
         """
         return reduce(lambda below, one: self._pair(one, below, either), reversed(list(parts)))
 
-    def expression(self, node: ast.expr, levels: dict[str, int]) -> int:
+    def expression(self, expression: Expression) -> int:
+        """Fails as the last line of an expression says; its parts are built once."""
+        known = {
+            name: self.node(level, WORKS, FAILS) for level, name in enumerate(expression.names)
+        }
+        for name, part in expression.parts.items():
+            known[name] = self._node_of(part, known)
+        return self._node_of(expression.system, known)
+
+    def _node_of(self, node: ast.expr, known: dict[str, int]) -> int:
         if isinstance(node, ast.Name):
-            return self.node(levels[node.id], WORKS, FAILS)
+            return known[node.id]
         k, below = branches(node)
-        parts = [self.expression(one, levels) for one in below]
+        parts = [self._node_of(one, known) for one in below]
         if k in (1, len(parts)):
             return self.joined(parts, either=k > 1)
         row = [WORKS] + [FAILS] * k

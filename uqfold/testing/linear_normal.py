@@ -21,6 +21,7 @@ from uqfold.checks import instance, keep, real, whole
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.expression import Expression, branches, read
 from uqfold.problems.structure import (
     CutSets,
     KOutOfN,
@@ -28,9 +29,7 @@ from uqfold.problems.structure import (
     PathSets,
     Series,
     SystemStructure,
-    branches,
     checked_structure,
-    syntax_tree,
 )
 from uqfold.typing import FloatArray
 
@@ -148,15 +147,18 @@ def _works(structure: SystemStructure, works: Sequence[bool]) -> bool:
         return any(all(works[i] for i in path) for path in structure.sets)
     if isinstance(structure, Series):
         return all(works)
-    return _is_true(syntax_tree(structure), works)
+    expression = read(structure.expression)
+    return _is_true(expression.system, expression, works)
 
 
-def _is_true(node: ast.expr, works: Sequence[bool]) -> bool:
-    """Whether enough parts of an expression work, in which unit i is called ui."""
+def _is_true(node: ast.expr, expression: Expression, works: Sequence[bool]) -> bool:
+    """Whether enough parts of a node work, in which unit i is called ui."""
     if isinstance(node, ast.Name):
+        if node.id in expression.parts:
+            return _is_true(expression.parts[node.id], expression, works)
         return works[int(node.id.removeprefix("u"))]
     k, parts = branches(node)
-    return sum(_is_true(part, works) for part in parts) >= k
+    return sum(_is_true(part, expression, works) for part in parts) >= k
 
 
 def normal_rule(kinks: FloatArray) -> tuple[FloatArray, FloatArray]:
