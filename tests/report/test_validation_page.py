@@ -109,12 +109,15 @@ def test_many_failures_are_each_named_with_a_reason() -> None:
 
 def test_what_changed_is_said() -> None:
     """The time that cases took is no elapsed time."""
-    moved = Changes(others=("order: lost 60 % of its margin",))
-    page = validation_page([full_record()], {"a_case": moved})
+    turned = Changes(("order was 'holds' and is 'does not hold'",))
+    page = validation_page([full_record()], {"a_case": turned})
     answer, why, tone = cards(page)["Is that what was found before?"]
-    assert (answer, tone) == ("Every verdict is the kept one", "good")
-    assert "order: lost 60 % of its margin" in why
+    assert (answer, tone) == ("0 of 1 cases have the kept verdicts, 1 changed", "bad")
+    assert "order was" in why
     assert "the times of the cases add up to 1.2 s" in page.lead
+    page = validation_page([full_record()], {"a_case": Changes()})
+    answer, _, tone = cards(page)["Is that what was found before?"]
+    assert (answer, tone) == ("Every verdict is the kept one", "good")
 
 
 def test_every_case_shows_claim_figure_table_verdict_and_how_it_was_measured() -> None:

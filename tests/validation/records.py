@@ -61,7 +61,7 @@ def full_record(**changes: Any) -> CaseRecord:
     declared = {key: changes.pop(key) for key in list(changes) if hasattr(DECLARED, key)}
     fields: dict[str, Any] = {
         "case": replace(DECLARED, **declared),
-        "tier": "default",
+        "tier": "quick",
         "measurement": Measurement(FINDINGS, (TIMES,), (TAIL,)),
         "made": MADE,
         "seconds": 1.25,

@@ -27,14 +27,13 @@ Exit code:
 
 \b
 Tiers:
-  --quick     small sizes, under two minutes in all
-  (default)   under ten minutes; also plants every case's faults
+  --quick     small sizes, under two minutes in all (the default)
   --full      full sizes, an hour or more; goes on where it was interrupted
 
 \b
 Examples:
   uqfold validate --quick
-  uqfold validate against_scipy mechanism_limits
+  uqfold validate against_other_codes --full --faults
   uqfold validate --list
   uqfold validate --check
 """
@@ -47,14 +46,14 @@ def validate_cases(
         typer.Argument(metavar="CASE", help="Cases to measure. Default: all."),
     ] = None,
     *,
-    quick: Annotated[bool, flag("--quick", "Small sizes.")] = False,
+    quick: Annotated[bool, flag("--quick", "Small sizes, the default.")] = False,
     full: Annotated[bool, flag("--full", "Full sizes; resumes.")] = False,
     out: Annotated[
-        Path | None, option("DIR", "Where to write. Default: uqfold-results/validation[-TIER].")
+        Path | None, option("DIR", "Where to write. Default: uqfold-results/validation-TIER.")
     ] = None,
     faults: Annotated[
         bool | None,
-        flag("--faults/--no-faults", "Plant the faults. Default: not if only --quick is given."),
+        flag("--faults/--no-faults", "Plant the faults. Default: only with --update."),
     ] = None,
     update: Annotated[
         bool,
@@ -78,24 +77,19 @@ def validate_cases(
 
     if quick and full:
         raise typer.BadParameter("--quick and --full: give one of them")
-    if (update or stale) and not (quick or full):
-        raise typer.BadParameter(
-            "--update and --stale are for the tiers whose records are kept: add --quick or --full"
-        )
     found = usage(find_cases, cases or _default_cases(), names or ())
     if show:
         session.print_cases(found)
         return
     if check:
         raise typer.Exit(session.check_cases(found))
-    tier: Tier = "quick" if quick else "full" if full else "default"
+    tier: Tier = "full" if full else "quick"
     if stale:
         found = session.stale_cases(found, tier)
         if not found:
             return
-    name = "validation" if tier == "default" else f"validation-{tier}"
-    planted = update or not quick if faults is None else faults
-    validation = Validation(tier, out or Path("uqfold-results", name), planted)
+    folder = out or Path("uqfold-results", f"validation-{tier}")
+    validation = Validation(tier, folder, update if faults is None else faults)
     invocation: Invocation = context.obj
     raise typer.Exit(session.measure_cases(found, validation, invocation, update=update))
 

@@ -23,13 +23,16 @@ from uqfold.validation.kept import (
     Changes,
     changes,
     discrepancies,
-    kept_record,
     kept_records,
     report_discrepancies,
 )
-from uqfold.validation.record import CaseRecord, read_case_records, write_case_record
+from uqfold.validation.record import (
+    CaseRecord,
+    existing_record,
+    read_case_records,
+    write_case_record,
+)
 from uqfold.validation.runner import Validation
-from uqfold.validation.side_by_side import side_by_side
 from uqfold.writing import check_writable
 
 EXIT_CHANGED, EXIT_BROKEN = 1, 2
@@ -46,7 +49,7 @@ def measure_cases(
     try:
         for case, record in _measured(cases, validation, invocation.interrupts.check):
             records.append(record)
-            found[case.name] = changes(kept_record(case, record.tier), record)
+            found[case.name] = changes(existing_record(case.kept(record.tier)), record)
             if update:
                 write_case_record(record, case.kept(record.tier))
     except KeyboardInterrupt:
@@ -59,8 +62,6 @@ def measure_cases(
         reports = page.write(validation.folder / "report.html")
         if update:
             reports += write_kept_report(cases[0].folder.parent)[:1]
-        names = [case.name for case in cases]
-        records.sort(key=lambda record: names.index(record.name))
         _print_outcome(records, found, [validation.folder, *reports])
     if interrupted:
         return EXIT_INTERRUPTED
@@ -73,20 +74,16 @@ def measure_cases(
 def _measured(
     cases: Sequence[Case], validation: Validation, wake: Callable[[], None]
 ) -> Iterator[tuple[Case, CaseRecord]]:
-    """Measure case by case, those that may run side by side first."""
-    left = {case.name: case for case in cases}
-    with ComparisonProgressBar([*left], Console(stderr=True), unit="parts") as bar:
+    """Measure case by case."""
+    names = [case.name for case in cases]
+    with ComparisonProgressBar(names, Console(stderr=True), unit="parts") as bar:
 
         def progress(name: str, done: int, total: int | None) -> None:
             wake()
             bar(name, done, total)
 
         measuring = replace(validation, progress=progress)
-        for case, record in side_by_side(measuring, cases, wake):
-            bar(case.name, 0, None)
-            del left[case.name]
-            yield case, record
-        for case in left.values():
+        for case in cases:
             record = measuring.run(case)
             # what was interrupted may look finished where a library swallowed it
             wake()

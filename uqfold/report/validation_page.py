@@ -73,7 +73,7 @@ def validation_page(
             "is none, or the measurement failed",
             "planted fault": "an error made on purpose (a wrong sign, a stale reference); a case "
             "that still holds with it proves nothing",
-            "tier": "quick and default measure with small sizes, full with large ones",
+            "tier": "quick measures with small sizes, full with large ones",
         }
     )
     return page

@@ -27,7 +27,8 @@ Kind: TypeAlias = Literal[
     "paper claim", "outside reference", "exact solution", "cross-code", "benchmark", "coverage"
 ]
 Topic: TypeAlias = Literal["mechanism", "examples", "methods", "paper", "speed"]
-Tier: TypeAlias = Literal["quick", "default", "full"]
+Tier: TypeAlias = Literal["quick", "full"]
+TIERS: tuple[Tier, ...] = ("quick", "full")
 # paragraphs of TOML are one line each
 Text = Annotated[str, Field(min_length=1), AfterValidator(lambda text: " ".join(text.split()))]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$")]

@@ -133,8 +133,7 @@ def measuring(case: Case) -> Callable[[Work], Measurement]:
 
 def command(case: Case, tier: Tier) -> str:
     """Return the command that measures a case again."""
-    option = [] if tier == "default" else [f"--{tier}"]
-    return shlex.join(["uqfold", "validate", case.name, *option])
+    return shlex.join(["uqfold", "validate", case.name, f"--{tier}"])
 
 
 def sources(case: Case) -> list[Path]:

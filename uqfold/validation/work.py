@@ -33,9 +33,9 @@ class Work:
     settings: Mapping[str, Any] = field(default_factory=dict)
     progress: Callable[[int, int | None], None] = lambda _done, _total: None
 
-    def pick(self, quick: Value, default: Value, full: Value) -> Value:
+    def pick(self, quick: Value, full: Value) -> Value:
         """Return the value that belongs to the tier."""
-        return {"quick": quick, "default": default, "full": full}[self.tier]
+        return quick if self.tier == "quick" else full
 
     def parts(self, computations: Mapping[str, Callable[[], Value]]) -> dict[str, Value]:
         """Compute parts one by one, and tell of each; return name -> result."""

@@ -69,8 +69,8 @@ def measure(work: Work) -> Measurement:
     """Measure pairs of runs, one with ten times the systems of the other."""
     keeps = "all" if work.fault == "runs kept" else "nothing"
     sizes = {
-        False: work.pick(1_000_000, 10_000_000, 100_000_000),
-        True: work.pick(200_000, 3_000_000, 10_000_000),
+        False: work.pick(1_000_000, 100_000_000),
+        True: work.pick(200_000, 10_000_000),
     }
     runs = [(store, n) for store, many in sizes.items() for n in (many // 10, many)]
     peak = partial(peak_memory, seed=work.seeds[0], keeps=keeps)

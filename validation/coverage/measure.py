@@ -125,7 +125,7 @@ def measure(work: Work) -> Measurement:
     their fault planted, the fastest of them has 8.
     """
     first = work.seeds[0]
-    samplers, fitters = work.pick(100, 400, 4_000), work.pick(0, 10, 100)
+    samplers, fitters = work.pick(100, 4_000), work.pick(0, 100)
     counts = {name: fitters if fits(method) else samplers for name, method in methods().items()}
     if work.fault == TOO_SURE:
         counts = {"pce": 8}

@@ -122,7 +122,7 @@ def impact_errors(wings: int, seed: int, fault: str | None) -> list[dict[str, An
 
 def measure(work: Work) -> Measurement:
     """Measure on one smooth stretch, and across the impacts of 8, 24 or 100 wings."""
-    wings = work.pick(8, 24, 100)
+    wings = work.pick(8, 100)
     across = impact_errors(wings, work.seeds[0], work.fault)
     rows = pd.DataFrame([*smooth_errors(work.fault), *across])
     # minus the slope of log(error) over log(number of steps)

@@ -116,7 +116,7 @@ def wrong(rows: pd.DataFrame, limits: tuple[float, float]) -> pd.Series[bool]:
 def measure(work: Work) -> Measurement:
     """Ask about some problems once, or three times, or about all of them ten times."""
     full = work.tier == "full"
-    seeds = range(work.seeds[0], work.seeds[0] + work.pick(1, 3, 10))
+    seeds = range(work.seeds[0], work.seeds[0] + work.pick(1, 10))
     asked = [hard for hard in PROBLEMS if full or hard.name in QUICK]
     with ProcessPoolExecutor(2) if full else nullcontext() as pool:
         parts = {hard.name: partial(answers, pool, hard, seeds, quick=not full) for hard in asked}

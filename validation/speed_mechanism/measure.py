@@ -80,9 +80,9 @@ def measure(work: Work) -> Measurement:
     table = Wings(PARAMETERS, draws).table()
     few = [
         PARAMETERS.replace(**{name: float(values[i]) for name, values in draws.items()})
-        for i in range(work.pick(4, 20, 60))
+        for i in range(work.pick(4, 60))
     ]
-    many = {name: np.tile(values, work.pick(10, 10, 40)) for name, values in draws.items()}
+    many = {name: np.tile(values, work.pick(10, 40)) for name, values in draws.items()}
 
     def general(deploy: Callable[[WingParameters], float]) -> np.ndarray:
         return np.array([deploy(wing) for wing in few])
@@ -118,7 +118,7 @@ def measure(work: Work) -> Measurement:
                 LARGEST_RMS, "s"),
         Finding("deployments per second and core", own["speed (1/s)"]),
         Finding("two cores over one, by the clock",
-                gain_of_two_cores(draws, work.pick(2_000, 4_000, 40_000)),
+                gain_of_two_cores(draws, work.pick(2_000, 40_000)),
                 remark="means something on an idle machine only"),
     ]  # fmt: skip
     if work.tier == "full":
