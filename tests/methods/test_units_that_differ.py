@@ -191,6 +191,20 @@ def test_units_of_one_kind_are_one_problem() -> None:
     assert row.pf == pytest.approx(exact(own, Series(), Criterion(0.8)), rel=1e-5)
 
 
+class Rig:
+    def bend(self, x: FloatArray) -> FloatArray:
+        return pump(x)
+
+
+def test_equal_models_and_inputs_are_one_kind() -> None:
+    """Inputs that are written out again, and a method that is named again, are the same."""
+    rig = Rig()
+    units = [Unit(rig.bend, [normal(0, k)]) for k in (1, 2, 1, 2)]
+    kinds = Problem(pump, **INPUTS, units=units).kinds
+    assert kinds.of_units is not None
+    assert kinds.of_units.tolist() == [0, 1, 0, 1]
+
+
 def test_other_moments_of_a_shared_input_reach_all_kinds() -> None:
     problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE])
     problem = problem.with_moments(means={"V": 2.0}).with_moments(means={"U": 1.0})

@@ -17,6 +17,7 @@ from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.system.conditional import ConditionalResponse
 from uqfold.system.conditional_unit import UnitResponse
+from uqfold.system.structure import SystemUnits
 from uqfold.system.synchronized import mission_probability
 
 getcontext().prec = 80
@@ -288,3 +289,73 @@ def test_failed_runs_under_tau_cost_nothing_for_many_units() -> None:
     assert found.failure_low[0] == pytest.approx(np.dot(shares, known), rel=1e-12)
     assert found.failure[0] == pytest.approx(1.0 - 0.75**5 * (1.0 - known[-1]), rel=1e-12)
     assert found.success_low[0] == pytest.approx(1.0 - found.failure_low[0], rel=1e-12)
+
+
+def sorts_of(*sorts: tuple[int, float, int]) -> SystemUnits:
+    """Units in series from the kind, offset and number of each sort."""
+    kinds, offsets, counts = (np.array(one) for one in zip(*sorts, strict=True))
+    return SystemUnits(
+        int(counts.sum()), None, offsets, kinds, np.repeat(np.arange(len(sorts)), counts)
+    )
+
+
+@pytest.mark.parametrize(("threshold", "tau"), [(1.5, 0.8), (2.0, 0.3), (3.0, 2.5), (6.0, 6.0)])
+def test_units_that_differ_come_first_each_in_its_turn(threshold: float, tau: float) -> None:
+    """Normal and gamma responses with offsets in series under tau: only simulation knew them."""
+    laws = [NormalDistribution(1.0, 0.4), PearsonDistribution(1.0, 0.5, 1.0, 4.5)]
+    kinds = [UnitResponse([ConditionalResponse(one)], np.ones(1)) for one in laws]
+    units = sorts_of((0, 0.0, 1), (0, 0.3, 1), (1, -0.2, 2))
+    found = mission_probability(kinds, units, np.array([threshold]), tau)
+    normal, gamma = stats.norm(1.0, 0.4), stats.gamma(4.0, scale=0.25)
+    each = [(normal, 0.0), (normal, 0.3), (gamma, -0.2), (gamma, -0.2)]
+
+    edges = np.array([-4.0, -0.2, tau - 0.2, 0.6, 1.0, 1.4, 2.0, 4.0, threshold])
+    edges = np.unique(edges[edges <= threshold])
+    fine = np.interp(np.arange(0, edges.size - 0.9, 0.1), np.arange(edges.size), edges)
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    half = 0.5 * np.diff(fine)[:, None]
+    s, ds = (0.5 * (fine[:-1] + fine[1:]))[:, None] + half * nodes, half * weights
+    works = apart = 0.0
+    for i, (law, offset) in enumerate(each):
+        others = [one for j, one in enumerate(each) if j != i]
+        near = math.prod(o.cdf(s - p) - o.cdf(s - p - tau) for o, p in others)
+        below = math.prod(o.cdf(s - p) for o, p in others)
+        works += float((ds * law.pdf(s - offset) * near).sum())
+        apart += float((ds * law.pdf(s - offset) * (below - near)).sum())
+    # the largest is above T: a sum over which of the units is the first to be so
+    late, before = 0.0, 1.0
+    for law, offset in each:
+        late += before * law.sf(threshold - offset)
+        before *= law.cdf(threshold - offset)
+    assert found.success[0] == pytest.approx(works, rel=1e-9)
+    assert found.failure[0] == pytest.approx(late + apart, rel=1e-7, abs=0)
+
+
+def test_steps_and_lost_runs_of_units_that_differ() -> None:
+    """Atoms, infinite responses and failed runs under tau, against all combinations of values."""
+    atoms = ((np.array([1.0, 2.0, 4.0]), [0.5, 0.3, 0.2]), (np.array([1.5, 3.0]), [0.6, 0.4]))
+    masses = ((0.1, 0.05, 0.08), (0.02, 0.1, 0.0))
+    kinds = [
+        UnitResponse([ConditionalResponse(AtomicDistribution(values, shares), *p)], np.ones(1))
+        for (values, shares), p in zip(atoms, masses, strict=True)
+    ]
+    units = sorts_of((0, 0.5, 2), (1, 0.0, 1), (1, 1.0, 1))
+    found = mission_probability(kinds, units, np.array([4.5, 3.9]), 2.0)
+    each = []
+    for kind, offset in ((0, 0.5), (0, 0.5), (1, 0.0), (1, 1.0)):
+        (values, shares), (never, always, missing) = atoms[kind], masses[kind]
+        finite = 1.0 - never - always - missing
+        known = [(v + offset, finite * s) for v, s in zip(values, shares, strict=True)]
+        each.append([*known, (math.inf, never), (-math.inf, always), (math.nan, missing)])
+    failure = np.zeros((2, 2))
+    for one in itertools.product(*each):
+        y, chance = np.array([v for v, _ in one]), math.prod(p for _, p in one)
+        known = y[~np.isnan(y)]
+        for column, threshold in enumerate((4.5, 3.9)):
+            fails = known.size > 0 and (
+                not np.isfinite(known).all() or known.max() > threshold or np.ptp(known) > 2.0
+            )
+            failure[1, column] += chance * fails
+            failure[0, column] += chance * (fails or known.size < 4)
+    assert found.failure == pytest.approx(failure[0], rel=1e-12)
+    assert found.failure_low == pytest.approx(failure[1], rel=1e-12)

@@ -135,7 +135,7 @@ def _of_units(
 ) -> tuple[FloatArray, FloatArray]:
     """How each unit fails and works at each shared node (n, K)."""
     pairs = [failure_of_units(node, units, np.array([threshold])) for node in nodes]
-    index = np.zeros(units.count, dtype=int) if units.of_offsets is None else units.of_offsets
+    index = np.zeros(units.count, dtype=int) if units.of_sorts is None else units.of_sorts
     fails, works = (np.concatenate(one, axis=1)[index] for one in zip(*pairs, strict=True))
     return fails, works
 

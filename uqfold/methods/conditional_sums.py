@@ -94,7 +94,7 @@ class ConditionalSums:
 
     def _by_missions(self, tau: float | None) -> bool:
         """Whether missions are counted, since failures of units do not tell those of a mission."""
-        return tau is not None or self.units.diagram is not None or not self.units.equal
+        return tau is not None or self.units.diagram is not None or self.units.of_sorts is not None
 
     def _worst(self, y: FloatArray, ways: IntArray, whole: bool, missing_fails: bool) -> Worst:
         """Return the worst of single responses, or of whole missions in every arrangement.

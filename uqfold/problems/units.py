@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MethodType
 from typing import Any
 
 import numpy as np
@@ -86,15 +87,20 @@ class UnitKinds:
         """
         if isinstance(units, int):
             return cls((model,), (inputs,))
-        kinds: dict[tuple[int, int], tuple[Model, JointInputs]] = {}
+        known: dict[int, JointInputs] = {}
+        kinds: list[tuple[Model, JointInputs]] = []
         of_units = []
         for unit in units:
-            key = id(unit.model or model), id(unit.individual)
-            if key not in kinds:
+            own = known.get(id(unit.individual))
+            if own is None:
                 own = inputs if unit.individual is None else _inputs_of(unit, inputs, shared)
-                kinds[key] = unit.model or model, own
-            of_units.append(list(kinds).index(key))
-        models, all_inputs = zip(*kinds.values(), strict=True)
+                own = next((one for one in known.values() if _alike(one, own, inputs)), own)
+                known[id(unit.individual)] = own
+            kind = unit.model or model, own
+            same = [i for i, one in enumerate(kinds) if one[1] is own and _is_same(one[0], kind[0])]
+            of_units.append(same[0] if same else len(kinds))
+            kinds += [] if same else [kind]
+        models, all_inputs = zip(*kinds, strict=True)
         return cls(models, all_inputs, np.array(of_units), np.array([u.offset for u in units]))
 
     @property
@@ -144,6 +150,15 @@ class UnitKinds:
             x[..., own, -1] = kind
         return x
 
+    def rows_of(self, kind: int, x: FloatArray) -> FloatArray:
+        """Return rows (n, columns) for `model` of inputs (n, d) of units of one kind."""
+        if len(self.models) == 1:
+            return x
+        rows = np.zeros((len(x), self.columns))
+        rows[:, : x.shape[1]] = x
+        rows[:, -1] = kind
+        return rows
+
     def with_moments(
         self,
         former: JointInputs,
@@ -192,6 +207,16 @@ class ModelOfKinds:
                     raise ValueError(f"it returned shape {found.shape} for {count} samples")
                 y[own] = found.reshape(count)
         return y
+
+
+def _is_same(one: Model, other: Model) -> bool:
+    """Whether two models are one: a method of an object is another one whenever it is named."""
+    return one is other or (isinstance(one, MethodType) and one == other)
+
+
+def _alike(one: JointInputs, other: JointInputs, of_problem: JointInputs) -> bool:
+    """Whether own inputs of two units are the same; the problem's may yet get other moments."""
+    return one is not of_problem and bool(one.distribution == other.distribution)
 
 
 def _inputs_of(unit: Unit, inputs: JointInputs, shared: Any) -> JointInputs:

@@ -40,6 +40,7 @@ __all__ = [
     "independent_failures",
     "system_failure",
     "system_failures",
+    "system_failures_of_kinds",
 ]
 
 
@@ -70,7 +71,7 @@ def system_failure(
     tau: float | None = None,
     missions: Missions = 1,
 ) -> SystemProbability:
-    """Failure probability of exchangeable units that share inputs; see system_failures."""
+    """Failure probability of units of one kind that share inputs; see system_failures."""
     criterion = Criterion(threshold, tau, missions)
     return system_failures(responses, weights, units, [criterion])[0]
 
@@ -105,8 +106,29 @@ def system_failures(
     IntegrationError
         If an order-statistics integral does not converge.
     """
+    return system_failures_of_kinds([responses], weights, units, criteria)
+
+
+def system_failures_of_kinds(
+    responses: Sequence[Sequence[ConditionalResponse]],
+    weights: ArrayLike,
+    units: SystemUnits | int,
+    criteria: Sequence[Criterion],
+) -> list[SystemProbability]:
+    """Failure probability for each criterion, of units of several kinds.
+
+    Parameters
+    ----------
+    responses
+        For each kind, the response of one unit without offset at each of K nodes of the shared
+        inputs, which are the same for all kinds.
+    weights, units, criteria
+        As in `system_failures`, which says what is raised.
+    """
     shares = _normalised(responses, weights)
-    nodes = [UnitResponse([response], np.ones(1)) for response in responses]
+    nodes = [
+        [UnitResponse([one], np.ones(1)) for one in kinds] for kinds in zip(*responses, strict=True)
+    ]
     return _expectation(nodes, shares, units, criteria)
 
 
@@ -134,21 +156,24 @@ def independent_failures(
     All units and all missions are independent then, each with H-bar = E_v H. Parameters and
     errors as in `system_failures`.
     """
-    shares = _normalised(responses, weights)
-    return _expectation([UnitResponse(responses, shares)], np.ones(1), units, criteria)
+    shares = _normalised([responses], weights)
+    return _expectation([[UnitResponse(responses, shares)]], np.ones(1), units, criteria)
 
 
-def _normalised(responses: Sequence[ConditionalResponse], weights: ArrayLike) -> FloatArray:
+def _normalised(
+    responses: Sequence[Sequence[ConditionalResponse]], weights: ArrayLike
+) -> FloatArray:
     shares = np.asarray(weights, dtype=float)
-    if shares.shape != (len(responses),) or shares.size == 0:
-        raise ValueError(f"{len(responses)} responses need as many weights, not {shares.shape}")
+    for one in responses:
+        if shares.shape != (len(one),) or shares.size == 0:
+            raise ValueError(f"{len(one)} responses need as many weights, not {shares.shape}")
     if not (shares >= 0).all() or not 0 < shares.sum() < np.inf:
         raise ValueError(f"weights {shares}: they must be >= 0 and have a positive, finite sum")
     return np.asarray(shares / shares.sum())
 
 
 def _expectation(
-    nodes: Sequence[UnitResponse],
+    nodes: Sequence[Sequence[UnitResponse]],
     shares: FloatArray,
     units: SystemUnits | int,
     criteria: Sequence[Criterion],
@@ -186,7 +211,7 @@ def grouped(
 
 
 def _at_nodes(
-    nodes: Sequence[UnitResponse],
+    nodes: Sequence[Sequence[UnitResponse]],
     units: SystemUnits | int,
     thresholds: FloatArray,
     tau: float | None,

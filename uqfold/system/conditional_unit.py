@@ -236,19 +236,45 @@ class UnitResponse:
         np.add.at(summed, inverse, masses)
         return unique, summed
 
-    def around_atoms(self, tau: float) -> tuple[FloatArray, FloatArray]:
-        """Probability below each atom by more than tau, and below it by tau or less, (A,) each."""
-        atoms, masses = self.atoms
-        below, within = np.zeros(atoms.size), np.zeros(atoms.size)
+    def spread(self, y: FloatArray, tau: float) -> Spread:
+        """What a finite response does below and within tau of others y (N,)."""
+        nothing = np.zeros(y.shape)
+        found = Spread(nothing, nothing, nothing, nothing, nothing)
+        for share, part in self._integrable:
+            found = found.plus(spread_of(part, y, tau, *part.tails(y)).scaled(share))
+        return found
+
+    def around(
+        self, y: FloatArray, atoms: BoolArray, tau: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Probability at responses y, below by more than tau, by tau or less, and above: (A,) each.
+
+        Parameters
+        ----------
+        y
+            Responses (A,), increasing.
+        atoms
+            Which of the own atoms (B,) each of them is: (A, B).
+        tau
+            Synchronization threshold.
+        """
+        values, masses = self.atoms
+        # an atom that is equal to y but for rounding lies neither below nor above
+        distance = np.where(atoms, 0.0, y[:, None] - values)
+        mass, below, within, above = (
+            some @ masses
+            for some in (
+                atoms,
+                distance > tau,
+                (distance > 0.0) & (distance <= tau),
+                distance < 0.0,
+            )
+        )
         for share, part in self._integrable:
             if part.breakpoints.size:
-                found = spread_of(part, atoms, tau, *part.tails(atoms)).scaled(share)
-                below, within = below + found.below, within + found.within
-        for row, atom in enumerate(atoms):
-            distance = atom - atoms[:row]
-            below[row] += masses[:row][distance > tau].sum()
-            within[row] += masses[:row][distance <= tau].sum()
-        return below, within
+                found = spread_of(part, y, tau, *part.tails(y)).scaled(share)
+                below, within, above = below + found.below, within + found.within, above + found.sf
+        return mass, below, within, above
 
     @cached_property
     def ends(self) -> FloatArray:

@@ -145,18 +145,19 @@ class SystemUnits:
     diagram
         When the system fails; None where every unit must work, which needs no diagram.
     offsets
-        What is added to the response of units: the different values (J,).
-    of_offsets
-        Which of them each unit (n,) has.
-    equal
-        Whether all units are alike.
+        What is added to the response of the units of each sort (J,): units of one kind, which have
+        model and inputs in common, and with the same offset are of one sort.
+    of_kinds
+        The kind of each sort (J,).
+    of_sorts
+        The sort of each unit (n,); None where all are alike.
     """
 
     count: int
     diagram: Diagram | None = None
     offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
-    of_offsets: IntArray | None = None
-    equal: bool = True
+    of_kinds: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    of_sorts: IntArray | None = None
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -179,21 +180,38 @@ class SystemUnits:
         found = None if in_series else diagram(problem.structure, problem.unit_names)
         if problem.exchangeable:
             return cls(problem.n_units, found)
-        assert problem.kinds.offsets is not None
-        offsets, of_units = np.unique(problem.kinds.offsets, return_inverse=True)
-        return cls(problem.n_units, found, offsets, of_units, equal=False)
+        kinds = problem.kinds
+        assert kinds.of_units is not None
+        assert kinds.offsets is not None
+        pairs = np.stack([kinds.of_units, kinds.offsets])
+        (of_kinds, offsets), of_sorts = np.unique(pairs, axis=1, return_inverse=True)
+        return cls(problem.n_units, found, offsets, of_kinds.astype(np.int64), of_sorts.ravel())
 
-    def thresholds(self, thresholds: ArrayLike) -> FloatArray:
-        """Response (J, ...) without offset at which units of each offset fail, from T (...)."""
+    @property
+    def counts(self) -> list[int]:
+        """How many units are of each sort (J,)."""
+        return [self.count] if self.of_sorts is None else np.bincount(self.of_sorts).tolist()
+
+    @property
+    def n_kinds(self) -> int:
+        """How many kinds there are."""
+        return int(self.of_kinds.max()) + 1
+
+    def thresholds(self, thresholds: ArrayLike, kind: int | None = None) -> FloatArray:
+        """Response (J, ...) without offset at which units of each sort fail, from T (...).
+
+        Of one kind alone, if it is given.
+        """
         asked = np.asarray(thresholds, dtype=float)
-        return asked - self.offsets.reshape(-1, *[1] * asked.ndim)
+        offsets = self.offsets if kind is None else self.offsets[self.of_kinds == kind]
+        return asked - offsets.reshape(-1, *[1] * asked.ndim)
 
     def mission(self, fails: FloatArray, works: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Failure and success (...) of one mission, from those (J, ...) of units of each offset.
+        """Failure and success (...) of one mission, from those (J, ...) of units of each sort.
 
         Both are used, each where it is the accurate one.
         """
-        index = self.of_offsets
+        index = self.of_sorts
         if self.diagram is not None:
             if index is not None:
                 return self.diagram.probabilities(fails[index], works[index])
@@ -201,15 +219,14 @@ class SystemUnits:
             return self.diagram.probabilities(
                 np.broadcast_to(fails, shape), np.broadcast_to(works, shape)
             )
-        counts = [self.count] if index is None else np.bincount(index).tolist()
         with np.errstate(divide="ignore"):
             log_works = np.where(fails < 0.5, np.log1p(-np.minimum(fails, 0.5)), np.log(works))
-        whole = sum(count * one for count, one in zip(counts, log_works, strict=True))
+        whole = sum(count * one for count, one in zip(self.counts, log_works, strict=True))
         return -np.expm1(whole), np.exp(whole)
 
     def shifted(self, y: FloatArray) -> FloatArray:
         """Responses (..., n) of units with their offsets added."""
-        return y if self.of_offsets is None else y + self.offsets[self.of_offsets]
+        return y if self.of_sorts is None else y + self.offsets[self.of_sorts]
 
     def response(self, y: FloatArray) -> FloatArray:
         """Response (...) of the system to those (..., n) of its units, none of them NaN."""
@@ -220,9 +237,7 @@ class SystemUnits:
     @property
     def shift(self) -> float:
         """Offset of the system where all units give one and the same response."""
-        if self.of_offsets is None:
-            return 0.0
-        return float(self.response(self.offsets[self.of_offsets]))
+        return 0.0 if self.of_sorts is None else float(self.response(self.offsets[self.of_sorts]))
 
 
 @lru_cache(maxsize=16)
