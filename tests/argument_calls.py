@@ -209,8 +209,7 @@ def calls(folder: Path) -> dict[str, Call]:
         lambda x: x[:, 0], individual={"b": normal}, units=2, default_criteria=criteria
     )
     joint = problem.inputs
-    plan = comparison.plan_comparison(problem, ["ffni-spa"], criteria)
-    *_, compared = comparison.run_comparison(plan)
+    *_, compared = comparison.run_comparison(problem, ["ffni-spa"], criteria)
     comparison.write_records(compared, folder)
     cheap = methods.FFNIPearson()
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
@@ -489,14 +488,17 @@ def calls(folder: Path) -> dict[str, Call]:
             comparison.criteria_of, {"header": thing(comparison.comparison_header(frame))}
         ),
         "comparison.named_problem": Call(comparison.named_problem, {"name": choice("series")}),
-        "comparison.plan_comparison": Call(
-            comparison.plan_comparison,
-            {"problem": at, "methods": some_methods, "criteria": of["criteria"], **run},
-        ),
         "comparison.read_records": Call(comparison.read_records, {"path": file}),
         "comparison.run_comparison": Call(
             lambda **given: list(comparison.run_comparison(**given)),
-            {"plan": thing(plan), "progress": optional(thing(nothing)), "command": text()},
+            {
+                "problem": at,
+                "methods": some_methods,
+                "criteria": of["criteria"],
+                **run,
+                "progress": optional(thing(nothing)),
+                "command": text(),
+            },
         ),
         "comparison.write_records": Call(
             comparison.write_records, {"frame": thing(frame), "folder": file}

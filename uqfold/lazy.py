@@ -19,7 +19,6 @@ _WITHIN = f"{Path(__file__).parent}{os.sep}"
 
 MOVED = {
     "uqfold.comparison.Case": "uqfold.comparison.NamedProblem",
-    "uqfold.comparison.ComparisonPlan": "uqfold.comparison.plan.ComparisonPlan",
     "uqfold.comparison.available_cases": "uqfold.comparison.available_problems",
     "uqfold.comparison.named_case": "uqfold.comparison.named_problem",
     "uqfold.comparison.records_from_frame": "uqfold.comparison.checked_frame",
@@ -40,10 +39,13 @@ MOVED = {
 """Public name of the former release -> what it is now; still understood, with a warning."""
 _POINTS = "a figure of a case is a uqfold.validation.Points now"
 _BAUMGARTE = "the paper's own form is in validation/mechanism/baumgarte.py now"
+_PLAN = "run_comparison checks what is asked, and takes it itself, now"
 GONE = {
+    "uqfold.comparison.ComparisonPlan": _PLAN,
     "uqfold.comparison.MethodRun": "run_comparison yields the frame of all finished methods now",
     "uqfold.comparison.Records": "a comparison is a pandas frame now, as read_records returns it",
     "uqfold.comparison.RunHeader": "what was asked is the dict comparison_header(frame) now",
+    "uqfold.comparison.plan_comparison": _PLAN,
     "uqfold.evidence.Axis": _POINTS,
     "uqfold.evidence.Column": "the columns of a uqfold.validation.Table are texts now",
     "uqfold.evidence.Figure": _POINTS,

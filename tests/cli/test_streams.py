@@ -88,7 +88,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
     def spend(*_: object) -> None:
         raise AssertionError("work was spent")
 
-    monkeypatch.setattr("uqfold.comparison.run.run_comparison", spend)
+    monkeypatch.setattr("uqfold.methods.base.ReliabilityMethod.estimate", spend)
     monkeypatch.setattr("uqfold.validation.runner.Validation.run", spend)
     words = {
         "compare": "compare series --method mc",

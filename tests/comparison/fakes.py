@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
-from uqfold.comparison import plan_comparison, run_comparison
+from uqfold.comparison import run_comparison
 from uqfold.methods import Estimate, ReliabilityMethod, Solution, Task
 from uqfold.methods.theory import Equation, Theory
 from uqfold.problems import Problem
@@ -199,6 +199,6 @@ def toy_frame(
 ) -> pd.DataFrame:
     """Return a finished comparison of the fakes."""
     problem = toy_problem(grid, referenced=referenced)
-    plan = plan_comparison(problem, METHODS if methods is None else methods, max_evals=5000)
-    *_, frame = run_comparison(plan, command=command)
+    asked = METHODS if methods is None else methods
+    *_, frame = run_comparison(problem, asked, max_evals=5000, command=command)
     return frame

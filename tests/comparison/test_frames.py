@@ -11,7 +11,6 @@ import pytest
 import uqfold
 from tests.comparison.fakes import GRID, METHODS, toy_frame
 from uqfold.comparison import checked_frame, comparison_header, criteria_of
-from uqfold.comparison.csv_cells import csv_text
 from uqfold.report.reports import report_page
 
 
@@ -118,9 +117,3 @@ def test_a_frame_with_impossible_numbers_is_refused(
     frame[name] = [value] * len(frame)
     with pytest.raises(ValueError, match=message):
         checked_frame(frame)
-
-
-def test_texts_of_a_csv_file_are_read_as_they_were(frame: pd.DataFrame) -> None:
-    written = csv_text(frame.assign(message="=1+1", label="'+a"))
-    read = checked_frame(pd.read_csv(io.StringIO(written)))
-    assert set(zip(read["message"], read["label"], strict=True)) == {("=1+1", "'+a")}

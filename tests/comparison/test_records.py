@@ -24,14 +24,12 @@ from uqfold.comparison import (
     RecordsError,
     comparison_header,
     criteria_of,
-    plan_comparison,
     read_records,
     record_schema,
     run_comparison,
     write_records,
 )
 from uqfold.comparison.columns import COLUMNS, rows_to_frame
-from uqfold.comparison.csv_cells import text_of_cell
 from uqfold.comparison.form import ROWS, encoded
 from uqfold.comparison.header import ATTRIBUTE
 from uqfold.problems.criterion import Binomial, criteria
@@ -403,7 +401,7 @@ def test_an_interrupted_write_leaves_the_earlier_files(
 
 
 def test_an_unfinished_comparison_knows_that_it_is(tmp_path: Path) -> None:
-    first = next(run_comparison(plan_comparison(toy_problem(), METHODS)))
+    first = next(run_comparison(toy_problem(), METHODS))
     write_records(first, tmp_path)
     header = comparison_header(read_records(tmp_path))
     assert header["finished"] == ["exact"]
@@ -446,25 +444,3 @@ def test_numbers_and_nesting_that_nobody_can_read_are_told(
     with pytest.raises(RecordsError, match=message) as raised:
         read_records(path)
     assert len(str(raised.value)) < 400
-
-
-FORMULAS = (
-    '=HYPERLINK("http://x","y")', "+1+1", "-1+1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "  =1",
-    "'=1", "''=1", "\uff1d1", "'tis", "a=b", "",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("text", FORMULAS)
-def test_no_cell_is_executed_by_a_spreadsheet(
-    frame: pd.DataFrame, tmp_path: Path, text: str
-) -> None:
-    """Cells that a spreadsheet would execute are quoted, and read back as they were."""
-    path, _ = write_records(frame.assign(problem=text, message=text, pf=-0.5), tmp_path)
-    with path.open(encoding="utf-8", newline="") as file:
-        cells = list(csv.DictReader(file))
-    for cell in cells:
-        assert not re.match(r"\s*[=+\-@\uff1d]|[\t\r\n]", cell["message"])
-        assert text_of_cell(cell["message"]) == text_of_cell(cell["problem"]) == text
-        # numbers stay numbers
-        assert cell["pf"] == "-0.5"
-    assert set(read_records(tmp_path)["message"]) == {text}

@@ -17,7 +17,7 @@ from tests.comparison.fakes import (
     toy_problem,
     truth,
 )
-from uqfold.comparison import comparison_header, plan_comparison, run_comparison
+from uqfold.comparison import comparison_header, run_comparison
 from uqfold.comparison.columns import COLUMNS
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import available
@@ -129,7 +129,7 @@ def test_criteria_are_needed_where_the_problem_has_none() -> None:
 
 def test_methods_are_given_one_by_one_as_they_finish() -> None:
     problem = toy_problem()
-    runs = run_comparison(plan_comparison(problem, {"a": Told(n=10), "b": Told(n=20)}))
+    runs = run_comparison(problem, {"a": Told(n=10), "b": Told(n=20)})
     assert rows_run(problem) == 0
     first = next(runs)
     assert list(first["label"]) == ["a"] * len(GRID)
@@ -186,13 +186,12 @@ def test_policy_raise_ends_the_comparison_but_finished_methods_stay() -> None:
         return np.where(np.arange(len(x)) == 150, np.nan, SYSTEM.response(x))
 
     problem = uqfold.Problem(sometimes_nan, inputs=SYSTEM.problem().inputs.distribution, units=3)
-    plan = plan_comparison(
+    runs = run_comparison(
         problem,
         {"small": Told(n=100), "large": Told(n=200)},
         Criterion(12.0, missions=Binomial(2, 0.5)),
         evaluator=Evaluator(failed_runs="raise"),
     )
-    runs = run_comparison(plan)
     assert set(next(runs)["label"]) == {"small"}
     with pytest.raises(FailedRunError, match="NaN"):
         next(runs)

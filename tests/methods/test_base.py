@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from uqfold.comparison import plan_comparison
+from uqfold.comparison import run_comparison
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import (
     ConditionalMonteCarlo,
@@ -281,7 +281,7 @@ def test_the_former_name_of_active_kriging_is_understood_with_a_warning() -> Non
         assert build("ak-mcs") == build("active-kriging")
     assert told[0].filename == __file__
     with pytest.warns(FutureWarning, match=said) as told:
-        plan_comparison(SYSTEM.problem(), "ak-mcs", criteria(11.0))
+        run_comparison(SYSTEM.problem(), "ak-mcs", criteria(11.0))
     assert told[0].filename == __file__, "where it is asked for, however deep it is built"
 
 

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from uqfold.report import progress
-from uqfold.report.progress import ComparisonProgressBar, notice_if_slow
+from uqfold.report.progress import ComparisonProgressBar
 
 
 def console(*, terminal: bool) -> tuple[Console, io.StringIO]:
@@ -49,17 +49,3 @@ def test_writes_nothing_into_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
     with ComparisonProgressBar(["first", "second"], pipe) as bar:
         work(bar)
     assert file.getvalue() == ""
-
-
-def test_notice_appears_only_when_it_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "SHOW_AFTER_SECONDS", 0.5)
-    pipe, file = console(terminal=False)
-    with notice_if_slow("compiling ...", pipe):
-        pass
-    time.sleep(0.6)
-    assert file.getvalue() == ""
-    end = time.monotonic() + 30.0
-    with notice_if_slow("compiling ...", pipe):
-        while not file.getvalue() and time.monotonic() < end:
-            time.sleep(0.01)
-    assert file.getvalue() == "compiling ...\n"

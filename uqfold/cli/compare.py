@@ -7,7 +7,6 @@ import os
 import shlex
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import Console
 
-    from uqfold.comparison.plan import ComparisonPlan
+    from uqfold.evaluation import Evaluator
     from uqfold.problems.base import Problem
 
 BATCH_ROWS = 1024
@@ -105,118 +104,107 @@ def compare_methods(
     max_seconds: Annotated[
         float | None, option("S", "Wall-clock limit of each method. Default: none.")
     ] = None,
-    progress: Annotated[
-        Literal["bar", "json"],
-        option(None, "A bar (on terminals only), or lines of JSON on the standard error."),
-    ] = "bar",
 ) -> None:
     """Compare methods on a problem."""
     chosen = usage(named_problem, problem)
     asked = usage(chosen.problem)
 
-    from uqfold.cli.words import chosen_criteria, listed
-    from uqfold.comparison.plan import plan_comparison
-    from uqfold.evaluation import Dask, Evaluator
+    from rich.console import Console
 
-    def checked_plan() -> ComparisonPlan:
-        return plan_comparison(
+    from uqfold.cli.words import chosen_criteria, listed
+    from uqfold.comparison.run import run_comparison
+    from uqfold.evaluation import Dask, Evaluator
+    from uqfold.methods import available
+    from uqfold.provenance import shown_command
+    from uqfold.report.progress import ComparisonProgressBar
+
+    invocation: Invocation = context.obj
+    methods = list(available()) if method is None else listed(method)
+    terminal = Console(stderr=True, quiet=quiet)
+    bar = ComparisonProgressBar(methods, terminal)
+
+    def progress(label: str, n_evals: int, expected: int | None) -> None:
+        invocation.interrupts.check()
+        bar(label, n_evals, expected)
+
+    def checked() -> tuple[Evaluator, Iterator[pd.DataFrame]]:
+        evaluator = Evaluator(
+            failed_runs=failed_runs,
+            batch_rows=BATCH_ROWS if cluster is None else None,
+            store=store,
+            executor=None if cluster is None else Dask(cluster),
+            max_seconds=max_seconds,
+            watch=bar.watch,
+        )
+        return evaluator, run_comparison(
             asked,
-            None if method is None else listed(method),
+            methods,
             chosen_criteria(asked.default_criteria, threshold, tau, missions),
             max_evals=chosen.max_evals if max_evals is None else max_evals,
             rng=seed,
-            evaluator=Evaluator(
-                failed_runs=failed_runs,
-                batch_rows=BATCH_ROWS if cluster is None else None,
-                store=store,
-                executor=None if cluster is None else Dask(cluster),
-                max_seconds=max_seconds,
-            ),
+            evaluator=evaluator,
+            progress=progress,
+            command=shown_command(["uqfold", *invocation.words]),
         )
 
-    plan = usage(checked_plan)
+    evaluator, comparisons = usage(checked)
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
         check_writable(folder)
     except OSError as error:
         raise typer.BadParameter(f"--out {os_error_text(error)}") from error
-    code = _compare(
-        plan, folder, context.obj, figures=not no_figures, quiet=quiet, lines=progress == "json"
-    )
+
+    def watched() -> Iterator[pd.DataFrame]:
+        with terminal.status(COMPILING):
+            run_once(asked)
+        with bar:
+            for frame in comparisons:
+                # what was interrupted may look finished where a library swallowed the interruption
+                invocation.interrupts.check()
+                yield frame
+
+    frame, code = _saved(watched(), folder, invocation, evaluator)
+    if frame is not None:
+        _show(frame, folder, figures=not no_figures and code != EXIT_USAGE, quiet=quiet)
+    if code == 0 and (frame is None or frame["pf"].isna().all()):
+        say("error: no method has an answer")
+        code = EXIT_FAILED
     raise typer.Exit(code)
 
 
-def _compare(
-    plan: ComparisonPlan,
+def _saved(
+    comparisons: Iterator[pd.DataFrame],
     folder: Path,
     invocation: Invocation,
-    *,
-    figures: bool,
-    quiet: bool,
-    lines: bool,
-) -> int:
-    """Run all methods and report; return the exit code of the program.
+    evaluator: Evaluator,
+) -> tuple[pd.DataFrame | None, int]:
+    """Save every finished method at once; return all that finished, and the exit code.
 
-    Every finished method is saved at once. An interruption ends the run, but the methods that
-    finished are kept and shown.
+    An interruption ends the run, but the methods that finished are kept.
     """
     from uqfold.comparison.records import write_records
     from uqfold.evaluation import EngineError, FailedRunError
     from uqfold.report.figures import figure_paths
 
-    frame, code = None, 0
+    frame = None
     try:
-        for frame in _watched(plan, invocation, quiet=quiet, lines=lines):
-            if len(frame.attrs["uqfold-comparison"]["finished"]) == 1:
+        for frame in comparisons:
+            if frame["label"].nunique() == 1:
                 # figures of an earlier comparison would not belong to these records
                 for path in figure_paths(folder):
                     path.unlink(missing_ok=True)
             write_records(frame, folder)
     except KeyboardInterrupt:
-        _say_interrupted(plan, frame, folder, invocation)
-        code = EXIT_INTERRUPTED
+        _say_interrupted(frame, folder, invocation, evaluator)
+        return frame, EXIT_INTERRUPTED
     except (FailedRunError, EngineError) as error:
         say(f"error: {error}")
-        code = EXIT_FAILED
+        return frame, EXIT_FAILED
     except OSError as error:
         # the methods that finished are still shown
         say(f"error: {os_error_text(error)}")
-        figures, code = False, EXIT_USAGE
-    if frame is not None:
-        _show(frame, folder, figures=figures, quiet=quiet)
-    if code == 0 and (frame is None or frame["pf"].isna().all()):
-        say("error: no method has an answer")
-        code = EXIT_FAILED
-    return code
-
-
-def _watched(
-    plan: ComparisonPlan, invocation: Invocation, *, quiet: bool, lines: bool
-) -> Iterator[pd.DataFrame]:
-    """Yield the comparison so far after each method, with progress on the standard error."""
-    from rich.console import Console
-
-    from uqfold.comparison.run import run_comparison
-    from uqfold.provenance import shown_command
-    from uqfold.report.progress import ComparisonProgressBar, ProgressLines, notice_if_slow
-
-    terminal = Console(stderr=True, quiet=quiet)
-    with notice_if_slow(COMPILING, terminal):
-        run_once(plan.problem)
-    check = invocation.interrupts.check
-    told = ProgressLines(sys.stderr) if lines else None
-    with told or ComparisonProgressBar(list(plan.methods), terminal) as bar:
-
-        def progress(label: str, n_evals: int, expected: int | None) -> None:
-            check()
-            bar(label, n_evals, expected)
-
-        watched = replace(plan, evaluator=replace(plan.evaluator, watch=bar.watch))
-        command = shown_command(["uqfold", *invocation.words])
-        for frame in run_comparison(watched, progress, command):
-            # what was interrupted may look finished where a library swallowed the interruption
-            check()
-            yield frame
+        return frame, EXIT_USAGE
+    return frame, 0
 
 
 def _show(frame: pd.DataFrame, folder: Path, *, figures: bool, quiet: bool) -> None:
@@ -238,19 +226,21 @@ def _show(frame: pd.DataFrame, folder: Path, *, figures: bool, quiet: bool) -> N
 
 
 def _say_interrupted(
-    plan: ComparisonPlan, frame: pd.DataFrame | None, folder: Path, invocation: Invocation
+    frame: pd.DataFrame | None, folder: Path, invocation: Invocation, evaluator: Evaluator
 ) -> None:
     from uqfold.evaluation import Store
 
     if frame is None:
         say("interrupted before any method finished; nothing was written")
     else:
-        finished = frame["label"].unique()
-        kept = f"{len(finished)} of {len(plan.methods)} methods finished and are kept in"
+        header = frame.attrs["uqfold-comparison"]
+        finished, asked = header["finished"], header["methods"]
+        kept = f"{len(finished)} of {len(asked)} methods finished and are kept in"
         say(f"interrupted: {kept} {shown_path(folder)}: {', '.join(finished)}")
-    store = plan.evaluator.store
-    if isinstance(store, Store):
-        kept = f"{len(store):,} evaluations are kept in {shown_path(store.path)}"
+    if isinstance(evaluator.store, Store):
+        kept = (
+            f"{len(evaluator.store):,} evaluations are kept in {shown_path(evaluator.store.path)}"
+        )
         say(f"{kept}; to go on from there: {shlex.join(['uqfold', *invocation.words])}")
 
 

@@ -10,7 +10,6 @@ from uqfold.comparison.named_problems import (
     available_problems as available_problems,
     named_problem as named_problem,
 )
-from uqfold.comparison.plan import plan_comparison as plan_comparison
 from uqfold.comparison.records import (
     RecordsError as RecordsError,
     read_records as read_records,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import instance, refused
 from uqfold.comparison.columns import COLUMNS, rows_to_frame
-from uqfold.comparison.csv_cells import TEXTS, text_of_cell
 from uqfold.comparison.form import ROWS
 from uqfold.comparison.header import ATTRIBUTE, checked_header
 from uqfold.documents import said
@@ -61,9 +60,6 @@ def checked_frame(frame: pd.DataFrame) -> pd.DataFrame:
         rows = ROWS.validate_python(frame[list(COLUMNS)].to_dict("records"))
     except ValueError as error:
         raise ValueError(f"the frame holds what no comparison does: {said(error)}") from error
-    if ATTRIBUTE not in frame.attrs:
-        # its texts are those of a CSV file
-        rows = [row | {name: text_of_cell(row[name]) for name in TEXTS} for row in rows]
     problems = list(dict.fromkeys(row["problem"] for row in rows))
     if len(problems) != 1:
         named = ", ".join(problems) if problems else "none"

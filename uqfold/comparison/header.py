@@ -9,7 +9,7 @@ from typing import Any
 
 from uqfold.checks import instance, refused
 from uqfold.comparison.form import HEADER, encoded
-from uqfold.comparison.plan import ComparisonPlan
+from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, Criterion
@@ -19,24 +19,16 @@ ATTRIBUTE = "uqfold-comparison"
 """Where a frame of a comparison carries its header, in ``frame.attrs``."""
 
 
-def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
-    """Return the header of a plan that is about to be run, now and with the code installed here.
-
-    Parameters
-    ----------
-    plan
-        What will be run.
-    command
-        The command as typed, without absolute paths; empty for a run from Python.
-    """
-    problem, known = plan.problem, plan.problem.references
-    made = made_by(command=command)
+def header_of(
+    problem: Problem, methods: Mapping[str, ReliabilityMethod], command: str
+) -> dict[str, Any]:
+    """Return who is to answer what about which problem, now and with the code installed here."""
+    known, made = problem.references, made_by(command=command)
     return {
         "problem": problem.name,
         "response": problem.response,
         "response_unit": problem.response_unit,
         "system": _system(problem),
-        "criteria": [asdict(one) for one in plan.criteria],
         "methods": [
             {
                 "label": label,
@@ -45,15 +37,11 @@ def header_of(plan: ComparisonPlan, command: str = "") -> dict[str, Any]:
                 "settings": repr(method),
                 "theory": encoded(asdict(Theory.of(type(method)))),
             }
-            for label, method in plan.methods.items()
+            for label, method in methods.items()
         ],
-        "finished": [],
-        "seed": plan.seed,
-        "max_evals": plan.max_evals,
-        "failed_runs": plan.evaluator.failed_runs,
         "reference": known and {name: getattr(known, name) for name in ("kind", "how", "command")},
         **{name: made[name] for name in ("command", "date", "machine", "versions")},
-        "source": dict(_source(tuple(sorted(_modules(plan))))),
+        "source": dict(_source(tuple(sorted(_modules(problem, methods))))),
     }
 
 
@@ -112,11 +100,10 @@ def _system(problem: Problem) -> dict[str, Any]:
     return system
 
 
-def _modules(plan: ComparisonPlan) -> Iterator[str]:
+def _modules(problem: Problem, methods: Mapping[str, ReliabilityMethod]) -> Iterator[str]:
     """Names of the modules of the methods and of the models."""
-    units = plan.problem.units
-    own = [] if isinstance(units, int) else [unit.model for unit in units]
-    for one in (*plan.methods.values(), plan.problem.model, *own):
+    own = [] if isinstance(problem.units, int) else [unit.model for unit in problem.units]
+    for one in (*methods.values(), problem.model, *own):
         inside = [each for each in getattr(one, "__dict__", {}).values() if callable(each)]
         for each in (one, *inside):
             module = getattr(each, "__module__", None)

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
 from uqfold.comparison.columns import COLUMNS, rows_to_frame
-from uqfold.comparison.csv_cells import csv_text
 from uqfold.comparison.form import RECORD, SCHEMA, encoded
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.header import ATTRIBUTE, checked_header
@@ -63,7 +62,7 @@ def write_records(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> tuple[
     checked = checked_frame(frame)
     directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
-    write_text(directory / CSV_NAME, csv_text(checked))
+    write_text(directory / CSV_NAME, checked.to_csv(index=False, lineterminator="\n"))
     write_text(directory / JSON_NAME, _json_text(checked))
     return directory / CSV_NAME, directory / JSON_NAME
 

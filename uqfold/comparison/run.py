@@ -2,81 +2,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import function, instance, or_none, text
+from uqfold.checks import function, instance, listed, mapping, or_none, refused, several, text
 from uqfold.comparison.columns import comparison_row, rows_to_frame
 from uqfold.comparison.header import ATTRIBUTE, header_of
-from uqfold.comparison.plan import ComparisonPlan, Methods, plan_comparison
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import CriteriaLike
-from uqfold.methods.seeding import RandomSource
+from uqfold.methods.arguments import (
+    CriteriaLike,
+    checked_budget,
+    checked_criteria,
+    checked_evaluator,
+)
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.registry import available, named
+from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 
 if TYPE_CHECKING:
     import pandas as pd
 
+MethodLike: TypeAlias = str | ReliabilityMethod
+Methods: TypeAlias = MethodLike | Iterable[MethodLike] | Mapping[str, MethodLike] | None
 ComparisonProgress: TypeAlias = Callable[[str, int, int | None], None]
 """Called with (label, runs so far, runs expected or None), first as a method starts, with zero."""
 
 
 def run_comparison(
-    plan: ComparisonPlan, progress: ComparisonProgress | None = None, command: str = ""
+    problem: Problem,
+    methods: Methods = None,
+    criteria: CriteriaLike = None,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = 0,
+    evaluator: Evaluator | None = None,
+    progress: ComparisonProgress | None = None,
+    command: str = "",
 ) -> Iterator[pd.DataFrame]:
-    """Run the methods of a plan one after the other; yield the comparison so far after each.
+    """Check what is asked, then run one method after the other; yield the comparison after each.
 
     What has been yielded stays valid whatever happens later, so that a caller who saves it at once
-    loses nothing to an interruption.
+    loses nothing to an interruption. The arguments are checked at once, and the first method runs
+    when the first frame is asked for.
 
     Parameters
     ----------
-    plan
-        What to run.
-    progress
-        Called as each method starts and after every batch of evaluations.
+    problem, methods, criteria, max_evals, rng, evaluator, progress
+        As for `compare`.
     command
         The command as typed, for the header.
 
     Yields
     ------
     pandas.DataFrame
-        The rows of the methods that have finished, with the header of the whole comparison; see
-        `compare`.
+        The rows of the methods that have finished, with the header of the whole comparison.
 
     Raises
     ------
-    FailedRunError
-        Only under the policy ``raise`` for failed runs.
+    ValueError, TypeError, FailedRunError
+        As `compare` does.
     """
-    instance("plan", plan, ComparisonPlan, "give what plan_comparison returned")
+    grid = checked_criteria(problem, criteria)
+    labelled = _labelled(methods)
+    budget, seed = checked_budget(max_evals), reduced_seed(rng)
+    how = checked_evaluator(evaluator)
     or_none("progress", progress, function)
     text("command", command, empty=True)
-    header = header_of(plan, command)
-    known = plan.problem.references
-    references = [None if known is None else known.lookup(one) for one in plan.criteria]
-    rows = list[dict[str, Any]]()
-    for label, method in plan.methods.items():
-        evaluator = plan.evaluator
-        if progress is not None:
-            progress(label, 0, None)
-            evaluator = replace(evaluator, progress=_telling(progress, label, evaluator.progress))
-        result = method.estimate(
-            plan.problem,
-            plan.criteria,
-            max_evals=plan.max_evals,
-            rng=plan.seed,
-            evaluator=evaluator,
-        )
-        rows += [
-            comparison_row(plan.problem.name, label, row, reference)
-            for row, reference in zip(result, references, strict=True)
-        ]
-        frame = rows_to_frame(rows)
-        header = {**header, "finished": [*header["finished"], label]}
-        frame.attrs[ATTRIBUTE] = header
-        yield frame
+    references = problem.references
+
+    def frames() -> Iterator[pd.DataFrame]:
+        header: dict[str, Any] = {
+            **header_of(problem, labelled, command),
+            "criteria": [asdict(one) for one in grid],
+            "finished": [],
+            "seed": seed,
+            "max_evals": budget,
+            "failed_runs": how.failed_runs,
+        }
+        rows = list[dict[str, Any]]()
+        for label, method in labelled.items():
+            told = how if progress is None else _told(how, progress, label)
+            result = method.estimate(problem, grid, max_evals=budget, rng=seed, evaluator=told)
+            for row, criterion in zip(result, grid, strict=True):
+                known = None if references is None else references.lookup(criterion)
+                rows.append(comparison_row(problem.name, label, row, known))
+            frame = rows_to_frame(rows)
+            header = {**header, "finished": [*header["finished"], label]}
+            frame.attrs[ATTRIBUTE] = header
+            yield frame
+
+    return frames()
 
 
 def compare(
@@ -137,19 +154,57 @@ def compare(
     0      ffni-spa       95  converged
     1  ffni-pearson       95  converged
     """
-    plan = plan_comparison(
-        problem, methods, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator
+    *_, frame = run_comparison(
+        problem,
+        methods,
+        criteria,
+        max_evals=max_evals,
+        rng=rng,
+        evaluator=evaluator,
+        progress=progress,
     )
-    *_, frame = run_comparison(plan, progress)
     return frame
 
 
-def _telling(
-    progress: ComparisonProgress, label: str, own: Callable[[int, int | None], None] | None
-) -> Callable[[int, int | None], None]:
+def _told(how: Evaluator, progress: ComparisonProgress, label: str) -> Evaluator:
+    """Return an evaluator that also tells the progress of a comparison."""
+    progress(label, 0, None)
+
     def tell(n_evals: int, expected: int | None) -> None:
         progress(label, n_evals, expected)
-        if own is not None:
-            own(n_evals, expected)
+        if how.progress is not None:
+            how.progress(n_evals, expected)
 
-    return tell
+    return replace(how, progress=tell)
+
+
+def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
+    if methods is None:
+        methods = list(available())
+    if isinstance(methods, Mapping):
+        labelled = mapping("methods", methods, _built)
+        if not all(label.strip() for label in labelled):
+            raise refused("methods", list(labelled), "give labels that are not empty")
+    else:
+        if isinstance(methods, str | ReliabilityMethod):
+            built: Sequence[ReliabilityMethod] = [_built("methods", methods)]
+        else:
+            built = several("methods", listed("methods", methods, what="list of methods"), _built)
+        labelled = {method.name: method for method in built}
+        names = [method.name for method in built]
+        if twice := [name for name in labelled if names.count(name) > 1]:
+            raise ValueError(
+                f"methods: two are labelled {twice[0]!r}, give a dict of label -> method"
+            )
+    if not labelled:
+        raise refused("methods", methods, f"choose from {', '.join(available())}")
+    return labelled
+
+
+def _built(name: str, method: MethodLike) -> ReliabilityMethod:
+    if isinstance(method, str):
+        return named(name, method)
+    if isinstance(method, type) and issubclass(method, ReliabilityMethod):
+        remedy = f"it is a class, give an instance: {method.__name__}()"
+        raise refused(name, method, remedy, TypeError)
+    return instance(name, method, ReliabilityMethod, "give a name or a ReliabilityMethod")  # type: ignore[type-abstract]
