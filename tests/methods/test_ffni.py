@@ -333,6 +333,22 @@ def test_tails_of_example_1_are_doubted() -> None:
     assert "distribution, pf changes by" in found[2].message
 
 
+@pytest.mark.parametrize("threshold", [-2.0, -3.0])
+def test_the_complement_of_a_pf_near_one_has_an_error_of_its_own(threshold: float) -> None:
+    """Reliabilities of 1e-4 (7e-4 is right) and 0 (2e-9) were called converged: pf was right."""
+    from scipy import stats
+
+    problem = Problem(lambda x: x[:, 0], individual=[stats.gumbel_r()], units=1)
+    for method in (FFNISaddlepoint(), FFNIPearson()):
+        row = method.estimate(problem, criteria(threshold))[0]
+        assert (row.status, math.isnan(row.std_error)) == ("doubtful", True)
+        assert "reliability" in row.message
+    easy = FFNIPearson().estimate(problem, criteria(-1.0))[0]
+    exact = float(stats.gumbel_r.cdf(-1.0))
+    assert easy.status == "converged"
+    assert abs(easy.reliability - exact) < 3.0 * easy.std_error < 0.3 * exact
+
+
 def _rounded(x: FloatArray) -> FloatArray:
     return np.round(2.0 * x.sum(axis=1)) / 2.0
 

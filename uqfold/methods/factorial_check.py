@@ -91,8 +91,8 @@ class OtherAnswers:
     causes
         What was changed (S,), as the subject of a sentence.
     amounts
-        What that changed pf by (S, C); infinite where the method itself found no answer, NaN where
-        another distribution has none.
+        What that changed pf, or the reliability, by (S, C); infinite where the method itself found
+        no answer, NaN where another distribution has none.
     families
         Whether another distribution could be compared (C,).
     """
@@ -127,16 +127,24 @@ class FactorialCheck:
     outer: tuple[OuterRule, OuterRule, OuterRule]
     tested: TestedSurface
 
-    def differences(self, criteria: Sequence[Criterion], pf: FloatArray) -> OtherAnswers:
-        """Answer in other ways what the method has answered by `pf` (C,)."""
+    def differences(
+        self, criteria: Sequence[Criterion], estimates: Sequence[Estimate]
+    ) -> OtherAnswers:
+        """Answer in other ways what the method has answered by `estimates`.
+
+        Answers are compared in the smaller one of pf and reliability, which the other, near 1, has
+        no digits to tell.
+        """
+        works = np.array([_reliability(one) < one.pf for one in estimates])
+        answers = np.array([min(one.pf, _reliability(one)) for one in estimates])
         first, more, last = (rule.fitted(self.own) for rule in self.outer)
         misses = self.tested.misses_at(criteria)
         lower, higher = (_moved(criteria, sign * misses) for sign in (-1.0, 1.0))
         # thresholds of one tau share their integration
-        three = self._answers(self.outer[1], more, [*criteria, *lower, *higher])
+        three = self._answers(self.outer[1], more, [*criteria, *lower, *higher], np.tile(works, 3))
         own, *moved = three.reshape(3, -1)
-        inside = self._answers(self.outer[0], first, criteria)
-        outside = self._answers(self.outer[2], last, criteria)
+        inside = self._answers(self.outer[0], first, criteria, works)
+        outside = self._answers(self.outer[2], last, criteria, works)
         causes = [
             "runs with two nodes more along each input",
             "two nodes more over the shared inputs",
@@ -144,7 +152,7 @@ class FactorialCheck:
             "responses near the threshold",
         ]
         amounts = [
-            np.abs(inside - pf),
+            np.abs(inside - answers),
             np.abs(own - inside),
             np.abs(outside - own),
             np.maximum(*(np.abs(one - own) for one in moved)),
@@ -152,7 +160,7 @@ class FactorialCheck:
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)
         for name, fit in self.others.items():
-            other = self._answers(self.outer[1], self.outer[1].fitted(fit), criteria)
+            other = self._answers(self.outer[1], self.outer[1].fitted(fit), criteria, works)
             families |= ~np.isnan(other)
             causes.append(name)
             amounts.append(np.abs(other - own))
@@ -163,20 +171,23 @@ class FactorialCheck:
         rule: OuterRule,
         distributions: Sequence[ConditionalDistribution] | None,
         criteria: Sequence[Criterion],
+        works: BoolArray,
     ) -> FloatArray:
-        """Return pf (C,); NaN where these distributions do not answer."""
-        pf = np.full(len(criteria), np.nan)
+        """Return pf, or the reliability where `works` (C,); NaN where there is no answer."""
+        answers = np.full(len(criteria), np.nan)
         if distributions is None:
-            return pf
+            return answers
         dense = all(integrable(one) for one in distributions)
         rows = [row for row, one in enumerate(criteria) if dense or one.tau is None]
         asked = [criteria[row] for row in rows]
         responses = [ConditionalResponse(one) for one in distributions]
         found = system_failures(responses, rule.weights, self.units, asked)
-        pf[rows] = [one.pf for one in found]
+        answers[rows] = np.where(
+            works[rows], [one.reliability for one in found], [one.pf for one in found]
+        )
         away = fallbacks_that_matter(rule.weights, distributions, self.units, asked, found)
-        pf[np.array(rows, dtype=int)[away > 0]] = np.nan
-        return pf
+        answers[np.array(rows, dtype=int)[away > 0]] = np.nan
+        return answers
 
 
 def _moved(criteria: Sequence[Criterion], by: FloatArray) -> list[Criterion]:
@@ -211,7 +222,8 @@ def with_verdicts(
     estimates
         Its answers.
     target
-        Largest stated error, relative to pf, of one that is converged.
+        Largest stated error, relative to pf or to the reliability, whichever is smaller, of one
+        that is converged.
     """
     if not np.isfinite(y).all():
         return _doubted(estimates, "responses that are not finite cannot be checked")
@@ -219,7 +231,7 @@ def with_verdicts(
         check = _check(task, counts, y, own)
         rows = [row for row, one in enumerate(estimates) if one.status not in NO_ANSWER]
         asked = [task.criteria[row] for row in rows]
-        differences = check.differences(asked, np.array([estimates[row].pf for row in rows]))
+        differences = check.differences(asked, [estimates[row] for row in rows])
     except (BudgetExceededError, TimeLimitError) as error:
         return _noted(estimates, f"not checked: {error}")
     except ValueError as error:
@@ -278,18 +290,19 @@ def _judged(
     target: float,
 ) -> Estimate:
     """Return one answer with its stated error and status."""
-    pf = estimate.pf
+    pf, reliability = estimate.pf, _reliability(estimate)
+    name, smaller = ("reliability", reliability) if reliability < pf else ("pf", pf)
     amounts = np.nan_to_num(differences.amounts[:, row], nan=0.0, posinf=math.inf)
-    rest = 1.0 - pf if estimate.reliability is None else estimate.reliability
-    stated = math.hypot(_CAUTION * float(np.sqrt(amounts @ amounts)), _LEAST * min(pf, rest))
+    stated = math.hypot(_CAUTION * float(np.sqrt(amounts @ amounts)), _LEAST * smaller)
     doubts = []
-    if pf == 0.0:
-        doubts.append("pf = 0: no response of the design, nor what is fitted to them, fails")
-    elif stated > target * pf:
+    if smaller == 0.0:
+        does = "fails" if name == "pf" else "works"
+        doubts.append(f"{name} = 0: no response of the design, nor what is fitted to them, {does}")
+    elif stated > target * smaller:
         worst = int(amounts.argmax())
-        share = 100.0 * float(amounts[worst]) / pf
+        share = 100.0 * float(amounts[worst]) / smaller
         by = f"by {share:.2g} %" if math.isfinite(share) else "beyond what the method can answer"
-        doubts.append(f"compared with {differences.causes[worst]}, pf changes {by}")
+        doubts.append(f"compared with {differences.causes[worst]}, {name} changes {by}")
     if not differences.families[row]:
         doubts.append("no other distribution with these moments to compare with")
     if criterion.tau is not None and not miss <= _BLURRED * criterion.tau:
@@ -305,6 +318,10 @@ def _judged(
         error_kind="surrogate",
         status="converged",
     )
+
+
+def _reliability(estimate: Estimate) -> float:
+    return 1.0 - estimate.pf if estimate.reliability is None else estimate.reliability
 
 
 def _doubted(estimates: Sequence[Estimate], doubt: str) -> list[Estimate]:

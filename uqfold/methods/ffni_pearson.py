@@ -64,7 +64,8 @@ class FFNIPearson(ReliabilityMethod):
         and is ``converged`` or ``doubtful``. Without it, or where the budget has no room for
         these runs, answers are ``unchecked``. Sampled rows are not checked.
     target_cov
-        Largest stated error, relative to pf, of an answer that is ``converged``.
+        Largest stated error, relative to pf or to the reliability, whichever is smaller, of an
+        answer that is ``converged``.
 
     Raises
     ------
