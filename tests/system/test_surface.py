@@ -17,7 +17,8 @@ from uqfold.system.lines import FINITE, MISSING, NEVER
 from uqfold.system.structure import SystemUnits, diagram
 from uqfold.system.surface import reliability_indices
 from uqfold.system.surface_layout import laid_out, surface_failures
-from uqfold.system.surface_rule import Surface, plan_surface
+from uqfold.system.surface_plan import plan_surface
+from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray, IntArray
 
 
@@ -103,7 +104,7 @@ def test_everything_shared_makes_units_and_missions_fail_together() -> None:
 
 def test_one_unit_in_one_mission_needs_no_shared_nodes() -> None:
     system = laid_out(lambda u: u.sum(axis=1), 3, 2, 1, criteria([3.0]))
-    assert system.rule.weights.size == 1
+    assert system.weights.size == 1
 
 
 def test_a_constant_surface_is_a_step_at_its_value() -> None:

@@ -211,7 +211,7 @@ def _on_surface(
         # laid out anew, since the directions that matter change with the distribution
         units = SystemUnits.of(problem)
         system = laid_out(mean, inputs.dimension, inputs.n_shared, units, criteria)
-        resolved &= system.rule.resolved
+        resolved &= system.resolved
         responses = system.responses(mean, noise=fitted.noise)
         [found] = system.failures_given(responses, criteria)
         [missed] = system.integration_errors(responses, criteria)

@@ -102,9 +102,9 @@ def importance_of_units(
     laid = [*asked, Criterion(asked[0].threshold, missions=2)]
     mean, inputs, units = fitted.surface.mean, problem.inputs, SystemUnits.of(problem)
     system = laid_out(mean, inputs.dimension, inputs.n_shared, units, laid)
-    responses = system.responses(mean, noise=fitted.noise).whole
+    responses = system.responses(mean, noise=fitted.noise).whole[0]
     nodes = [UnitResponse([response], np.ones(1)) for response in responses]
-    weights = system.rule.weights / system.rule.weights.sum()
+    weights = system.weights / system.weights.sum()
     structure = diagram(problem.structure, problem.unit_names)
     rows = []
     for criterion, row in zip(asked, fitted.result, strict=True):

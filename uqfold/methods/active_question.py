@@ -16,7 +16,7 @@ from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE
 from uqfold.system.missions import over_missions
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface_rule import plan_surface
+from uqfold.system.surface_plan import plan_surface
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 # Points of the integration over the surface at every step of learning: enough to see how much the

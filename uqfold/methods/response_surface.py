@@ -241,7 +241,7 @@ def _answered(
     responses = system.responses(surface.mean, outcomes, noise)
     # units differ by what the surface makes of their own inputs: is that more than its error?
     blur = validated.rms
-    if system.together or _scatter(responses.whole, system.rule.weights) > _CLEAR * blur:
+    if system.together or _scatter(responses.whole[0], system.weights) > _CLEAR * blur:
         blur = 0.0
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
     paths = surface.sample_paths(rng, _DRAWS)
@@ -477,6 +477,6 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
         doubts.append(
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
         )
-    if not system.rule.resolved:
+    if not system.resolved:
         doubts.append("the surface changes too abruptly to be integrated accurately")
     return doubts

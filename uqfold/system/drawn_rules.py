@@ -9,7 +9,9 @@ import numpy as np
 
 from uqfold.system.cross_rules import Rule
 from uqfold.system.directions import DirectionMixture
+from uqfold.system.lines import REACH, LineRule
 from uqfold.system.places import Places
+from uqfold.system.refinement import STATIONS
 from uqfold.system.sampled_rule import (
     SAMPLED_STATIONS,
     Values,
@@ -18,7 +20,8 @@ from uqfold.system.sampled_rule import (
     random_lines,
     random_rays,
 )
-from uqfold.system.surface_rule import Surface, SurfacePlan, SurfaceRule, joined
+from uqfold.system.surface_plan import SurfacePlan
+from uqfold.system.surface_rule import Surface, SurfaceRule, joined
 from uqfold.typing import FloatArray
 
 # Shared nodes from which directions of failure are looked for.
@@ -39,7 +42,8 @@ class DrawnRules:
     axes
         Principal directions of the individual variables, in columns.
     directions
-        Where rays lead to failure.
+        Where rays lead to failure; None of a single individual variable, along which one line is
+        all there is.
     values
         The surface at some of the shared nodes, as a function of the individual variables.
     asked
@@ -52,7 +56,7 @@ class DrawnRules:
     weights: FloatArray
     fewer: Rule
     axes: FloatArray
-    directions: DirectionMixture
+    directions: DirectionMixture | None
     values: Values
     asked: FloatArray
     rng: np.random.Generator
@@ -70,6 +74,8 @@ class DrawnRules:
             return surface(joined(few, individual)).reshape(some, -1)
 
         axes = plan.axes.individual
+        if axes.shape[0] == 1:
+            return cls(nodes, weights, fewer, axes, None, values, asked, rng)
         directions = failure_directions(values, axes.shape[0], asked, rng)
         return cls(nodes, weights, fewer, axes, directions, values, asked, rng)
 
@@ -79,10 +85,17 @@ class DrawnRules:
         along, across = self.axes[:, 0], self.axes[:, 1:]
         return places_of_failure(self.values, along, across, self.asked, np.random.default_rng(1))
 
+    @property
+    def _single(self) -> LineRule:
+        stations = np.linspace(-REACH, REACH, STATIONS[-1])
+        return LineRule(stations[:, None] * self.axes[:, 0], np.ones(1), stations, asked=self.asked)
+
     def rule(self, most: int, *, rays: bool, stations: int = SAMPLED_STATIONS[0]) -> SurfaceRule:
         """Draw about as many lines or rays as `most` points allow."""
         size = max(_FEWEST, most // (self.weights.size * stations))
-        if rays:
+        if self.directions is None:
+            lines = self._single
+        elif rays:
             lines = random_rays(self.directions, size, stations, self.asked, self.rng)
         else:
             along, across = self.axes[:, 0], self.axes[:, 1:]

@@ -7,7 +7,7 @@ of the surface is found with ever finer rules, until it stops changing, far tail
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -45,18 +45,14 @@ class Axes:
     individual: FloatArray
 
     @classmethod
-    def of(cls, surface: Surface, dimension: int, n_shared: int) -> Axes:
-        """Directions of falling influence over body and tails."""
-        centre = _SPREAD * np.random.default_rng(0).standard_normal((_LOOK_AT, dimension))
-        gradients = np.empty((_LOOK_AT, dimension))
-        # several variables at a time, but not all of many: the points would fill the memory
-        block = max(1, _MOST_NUMBERS // (2 * _LOOK_AT * dimension))
-        for start in range(0, dimension, block):
-            shifts = _STEP * np.eye(dimension)[start : start + block]
-            points = np.vstack([centre + sign * shift for shift in shifts for sign in (1.0, -1.0)])
-            values = surface(points).reshape(len(shifts), 2, _LOOK_AT)
-            gradients[:, start : start + block] = (values[:, 0] - values[:, 1]).T
-        return cls(_principal(gradients[:, :n_shared]), _principal(gradients[:, n_shared:]))
+    def of(
+        cls, surface: Surface, dimension: int, n_shared: int, shared: FloatArray | None = None
+    ) -> Axes:
+        """Directions of falling influence over body and tails; those `shared` may be known."""
+        gradients = _gradients(surface, dimension)
+        if shared is None:
+            shared = _principal(gradients[:, :n_shared])
+        return cls(shared, _principal(gradients[:, n_shared:]))
 
     def led_by(self, first: int) -> Axes:
         """The same directions, with lines along another individual one."""
@@ -254,6 +250,35 @@ def _distance(one: _Distribution, other: _Distribution, compared: Compared) -> f
         return 0.0 if type(one) is type(other) else math.inf
     levels = compared.levels(other)
     return float(np.abs(one.score(levels) - other.score(levels)).max())
+
+
+def shared_axes(
+    surfaces: Sequence[Surface], dimensions: Sequence[int], n_shared: int
+) -> FloatArray:
+    """Principal directions (s, s) of the shared variables for several surfaces together.
+
+    Each surface counts by its gradients relative to their own size.
+    """
+    pooled = []
+    for surface, dimension in zip(surfaces, dimensions, strict=True):
+        gradients = _gradients(surface, dimension)
+        size = math.sqrt(float(np.mean(gradients**2)))
+        pooled.append(gradients[:, :n_shared] / (size if size > 0.0 else 1.0))
+    return _principal(np.vstack(pooled))
+
+
+def _gradients(surface: Surface, dimension: int) -> FloatArray:
+    """Differences (points, d) over body and tails, as gradients go."""
+    centre = _SPREAD * np.random.default_rng(0).standard_normal((_LOOK_AT, dimension))
+    gradients = np.empty((_LOOK_AT, dimension))
+    # several variables at a time, but not all of many: the points would fill the memory
+    block = max(1, _MOST_NUMBERS // (2 * _LOOK_AT * dimension))
+    for start in range(0, dimension, block):
+        shifts = _STEP * np.eye(dimension)[start : start + block]
+        points = np.vstack([centre + sign * shift for shift in shifts for sign in (1.0, -1.0)])
+        values = surface(points).reshape(len(shifts), 2, _LOOK_AT)
+        gradients[:, start : start + block] = (values[:, 0] - values[:, 1]).T
+    return gradients
 
 
 def _principal(gradients: FloatArray) -> FloatArray:

@@ -1,20 +1,25 @@
 """From a cheap surface over standard-normal space to the system's failure probability.
 
 The surface f(u) gives the response of one unit at standard-normal variables u, shared ones first.
-Where it is evaluated, `uqfold.system.surface_layout` decides.
+Units of several kinds have a surface each, over the same shared variables. Where surfaces are
+evaluated, `uqfold.system.surface_layout` decides.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional import (
+    SystemProbability,
+    system_failures,
+    system_failures_of_kinds,
+)
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.cross_rules import SHARED_REACH
 from uqfold.system.refinement import TOLERANCE
@@ -24,6 +29,10 @@ from uqfold.typing import FloatArray, IntArray
 
 Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 """Takes u (n, d), gives the kinds of outcome (n,): see `uqfold.system.lines`."""
+Surfaces: TypeAlias = Surface | Sequence[Surface]
+"""The surface of units that are all of one kind, or one for each kind."""
+OfKinds: TypeAlias = Sequence[Sequence[ConditionalResponse]]
+"""For each kind the conditional responses at the shared nodes."""
 
 
 # Error of crossings and tables; and how much worse a rule may be than its last refinement showed,
@@ -41,7 +50,7 @@ _GROWTH_BEYOND = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """Conditional responses at the shared nodes.
+    """Conditional responses at the shared nodes, of each kind of units.
 
     Attributes
     ----------
@@ -53,88 +62,115 @@ class Responses:
         From every second station of such lines, in order to tell the error along them.
     """
 
-    whole: list[ConditionalResponse]
-    parts: list[list[ConditionalResponse]]
-    thinned: list[ConditionalResponse]
+    whole: OfKinds
+    parts: list[OfKinds]
+    thinned: OfKinds
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceSystem:
-    """Exchangeable units whose responses share one surface.
+    """Units whose responses are surfaces, one for each kind of them.
 
-    Built by `laid_out` from the surface that matters most; other surfaces that differ
-    little from it (draws from a posterior) are answered on the same points.
+    Built by `laid_out` from the surfaces that matter most; other surfaces that differ
+    little from them (draws from a posterior) are answered on the same points.
 
     Attributes
     ----------
-    rule, coarse
-        Points for answers, and fewer points for changes of answers. Where quadrature does not
-        resolve the surface, both hold lines or rays drawn at random.
+    rules, coarse
+        Points of each kind for answers, and fewer points for changes of answers; their shared
+        nodes are the same. Where quadrature does not resolve the surfaces, both hold lines or rays
+        drawn at random.
     units
         The units and their structure.
     together
-        Whether all units and missions of a system give one and the same response, since nothing
-        is individual, or there is only one unit and one mission.
+        Whether the shared inputs, or a single unit in one mission, tell the response of the whole
+        system. Then one rule serves what the structure makes of all surfaces.
     """
 
-    rule: SurfaceRule
-    coarse: SurfaceRule
+    rules: tuple[SurfaceRule, ...]
+    coarse: tuple[SurfaceRule, ...]
     units: SystemUnits
     together: bool
 
+    @property
+    def weights(self) -> FloatArray:
+        """Weights (K,) of the shared nodes."""
+        return self.rules[0].weights
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the number of points sufficed for an acceptable accuracy."""
+        return all(rule.resolved for rule in self.rules)
+
     def failures(
         self,
-        surface: Surface,
+        surfaces: Surfaces,
         criteria: Sequence[Criterion],
-        outcomes: Outcomes | None = None,
-        noise: float = 0.0,
+        outcomes: Outcomes | Sequence[Outcomes] | None = None,
+        noise: float | Sequence[float] = 0.0,
     ) -> list[SystemProbability]:
         """Failure probability under each criterion.
 
         Parameters
         ----------
-        surface
-            The surface.
+        surfaces
+            The surface, or one for each kind of units.
         criteria
             The questions.
         outcomes
-            Where responses are infinite or runs fail; None: nowhere.
+            Where responses are infinite or runs fail (of each kind); None: nowhere.
         noise
-            Standard deviation of an independent normal disturbance of every response.
+            Standard deviation of an independent normal disturbance of every response (of each
+            kind).
 
         Raises
         ------
         ValueError
-            If the surface gives a value that is not finite.
+            If a surface gives a value that is not finite.
         """
-        return self.failures_given(self.responses(surface, outcomes, noise), criteria)
+        return self.failures_given(self.responses(surfaces, outcomes, noise), criteria)
 
     def responses(
-        self, surface: Surface, outcomes: Outcomes | None = None, noise: float = 0.0
+        self,
+        surfaces: Surfaces,
+        outcomes: Outcomes | Sequence[Outcomes] | None = None,
+        noise: float | Sequence[float] = 0.0,
     ) -> Responses:
         """Conditional responses at the shared nodes, which answer any criteria."""
-        points = self.rule.points
-        kinds = None if outcomes is None else outcomes(points)
-        values = surface(points)
-        whole = self.rule.responses(values, kinds, noise)
-        if not self.rule.lines.sampled:
+        whole, divided = [], []
+        for rule, surface, of_kind, std in self._each(self.rules, surfaces, outcomes, noise):
+            points = rule.points
+            kinds = None if of_kind is None else of_kind(points)
+            values = surface(points)
+            whole.append(rule.responses(values, kinds, std))
+            if rule.lines.sampled:
+                pieces = [*rule.parts(_GROUPS), rule.thinned()]
+                divided.append(
+                    [
+                        part.responses(values[some], None if kinds is None else kinds[some], std)
+                        for part, some in pieces
+                    ]
+                )
+            else:
+                divided.append([whole[-1]] * (_GROUPS + 1))
+        if not any(rule.lines.sampled for rule in self.rules):
             return Responses(whole, [], [])
-        *parts, thinned = (
-            part.responses(values[some], None if kinds is None else kinds[some], noise)
-            for part, some in [*self.rule.parts(_GROUPS), self.rule.thinned()]
-        )
-        return Responses(whole, parts, thinned)
+        *parts, thinned = zip(*divided, strict=True)
+        return Responses(whole, list(parts), thinned)
 
-    def indices(self, surface: Surface, criteria: Sequence[Criterion]) -> FloatArray:
+    def indices(self, surfaces: Surfaces, criteria: Sequence[Criterion]) -> FloatArray:
         """Reliability indices (C,), of which no error is asked."""
-        values = surface(self.rule.points)
-        return reliability_indices(self._answer(self.rule, self.rule.responses(values), criteria))
+        found = [
+            rule.responses(surface(rule.points))
+            for rule, surface, _, _ in self._each(self.rules, surfaces, None, 0.0)
+        ]
+        return reliability_indices(self._answer(self.weights, found, criteria))
 
     def failures_given(
         self, responses: Responses, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
         """Failure probability under each criterion from `responses`."""
-        return self._answer(self.rule, responses.whole, criteria)
+        return self._answer(self.weights, responses.whole, criteria)
 
     def integration_errors(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices that the integration alone leaves.
@@ -146,18 +182,18 @@ class SurfaceSystem:
         """
         beyond = self._errors_beyond(responses, criteria)
         if not responses.parts:
-            left = self.rule.error
+            left = max(rule.error for rule in self.rules)
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
             return np.hypot(error, beyond)
         along = self.errors_along_lines(responses, criteria)
         indices = np.array(
             [
-                reliability_indices(self._answer(self.rule, part, criteria))
+                reliability_indices(self._answer(self.weights, part, criteria))
                 for part in responses.parts
             ]
         )
         scatter = _FEW_PARTS * indices.std(axis=0, ddof=1) / math.sqrt(_GROUPS)
-        fixed = math.hypot(_ROUNDING, self.rule.error)
+        fixed = math.hypot(_ROUNDING, max(rule.error for rule in self.rules))
         return np.asarray(np.sqrt(fixed**2 + along**2 + scatter**2 + beyond**2))
 
     def _errors_beyond(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
@@ -167,13 +203,14 @@ class SurfaceSystem:
         """
         from scipy.stats import chi
 
-        nodes = self.rule.shared_nodes
+        nodes = self.rules[0].shared_nodes
         radius = np.linalg.norm(nodes, axis=1)
         edge = np.flatnonzero((radius > 0.999 * SHARED_REACH) & (radius < SHARED_REACH + 0.5))
         if self.together or edge.size == 0:
             return np.zeros(len(criteria))
         weights = np.full(edge.size, 1.0 / edge.size)
-        there = system_failures([responses.whole[i] for i in edge], weights, self.units, criteria)
+        outermost = [[of_kind[int(i)] for i in edge] for of_kind in responses.whole]
+        there = system_failures_of_kinds(outermost, weights, self.units, criteria)
         share = _GROWTH_BEYOND * float(chi.sf(SHARED_REACH, nodes.shape[1]))
         found = self.failures_given(responses, criteria)
         more = [
@@ -189,27 +226,27 @@ class SurfaceSystem:
     def errors_along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices from stations too far apart on random lines."""
         found, coarser = (
-            reliability_indices(self._answer(self.rule, some, criteria))
+            reliability_indices(self._answer(self.weights, some, criteria))
             for some in (responses.whole, responses.thinned)
         )
         return np.asarray(_HALVED * np.abs(found - coarser))
 
     def changes(
         self,
-        surface: Surface,
-        paths: Surface,
+        surfaces: Surfaces,
+        paths: Surfaces,
         criteria: Sequence[Criterion],
-        outcomes: Outcomes | None = None,
-        noise: float = 0.0,
+        outcomes: Outcomes | Sequence[Outcomes] | None = None,
+        noise: float | Sequence[float] = 0.0,
     ) -> FloatArray:
-        """How far each of R other surfaces moves the reliability index -Phi^-1(pf).
+        """How far each of R other surfaces, or sets of them, moves the index -Phi^-1(pf).
 
         Parameters
         ----------
-        surface
-            The surface from which changes count.
+        surfaces
+            The surface (of each kind) from which changes count.
         paths
-            The R others: takes u (n, d), gives (R, n).
+            The R others (of each kind): takes u (n, d), gives (R, n).
         criteria, outcomes, noise
             As in `failures`.
 
@@ -218,45 +255,77 @@ class SurfaceSystem:
         FloatArray
             Changes (R, len(criteria)); 0 where pf is 0 or 1 with all surfaces.
         """
-        return self.changes_given(self.coarse_responses(surface, paths, outcomes, noise), criteria)
+        return self.changes_given(self.coarse_responses(surfaces, paths, outcomes, noise), criteria)
 
     def coarse_responses(
         self,
-        surface: Surface,
-        paths: Surface,
-        outcomes: Outcomes | None = None,
-        noise: float = 0.0,
-    ) -> list[list[ConditionalResponse]]:
-        """Conditional responses of 1 + R surfaces, which tell the changes of any answers."""
-        points = self.coarse.points
-        kinds = None if outcomes is None else outcomes(points)
-        return [
-            self.coarse.responses(values, kinds, noise)
-            for values in [surface(points), *paths(points)]
-        ]
+        surfaces: Surfaces,
+        paths: Surfaces,
+        outcomes: Outcomes | Sequence[Outcomes] | None = None,
+        noise: float | Sequence[float] = 0.0,
+    ) -> list[OfKinds]:
+        """Conditional responses of 1 + R sets of surfaces, which tell the changes of answers."""
+        found = []
+        others = (path for _, path, _, _ in self._each(self.coarse, paths, None, 0.0))
+        each = self._each(self.coarse, surfaces, outcomes, noise)
+        for (rule, surface, of_kind, std), path in zip(each, others, strict=True):
+            points = rule.points
+            kinds = None if of_kind is None else of_kind(points)
+            every = [surface(points), *path(points)]
+            found.append([rule.responses(values, kinds, std) for values in every])
+        return list(zip(*found, strict=True))
 
     def changes_given(
-        self, responses: Sequence[Sequence[ConditionalResponse]], criteria: Sequence[Criterion]
+        self, responses: Sequence[OfKinds], criteria: Sequence[Criterion]
     ) -> FloatArray:
         """Changes (R, C) of the indices from `coarse_responses`."""
+        weights = self.coarse[0].weights
         indices = np.array(
-            [reliability_indices(self._answer(self.coarse, one, criteria)) for one in responses]
+            [reliability_indices(self._answer(weights, one, criteria)) for one in responses]
         )
         return np.asarray(indices[1:] - indices[0])
 
-    def _answer(
+    def _each(
         self,
-        rule: SurfaceRule,
-        responses: Sequence[ConditionalResponse],
-        criteria: Sequence[Criterion],
+        rules: Sequence[SurfaceRule],
+        surfaces: Surfaces,
+        outcomes: Outcomes | Sequence[Outcomes] | None,
+        noise: float | Sequence[float],
+    ) -> Iterator[tuple[SurfaceRule, Surface, Outcomes | None, float]]:
+        """Rule, surface, outcomes and noise of each kind."""
+        each = [surfaces] if callable(surfaces) else list(surfaces)
+        kinds: list[Outcomes | None] = [None] * len(each)
+        if outcomes is not None:
+            kinds = [outcomes] if callable(outcomes) else list(outcomes)
+        std = [noise] * len(each) if isinstance(noise, float | int) else list(noise)
+        if len(each) > len(rules):
+            if outcomes is not None:
+                raise ValueError("where all is shared, responses of several kinds must be finite")
+            each, kinds, std = [of_system(each, self.units)], [None], [max(std)]
+        return zip(rules, each, kinds, std, strict=True)
+
+    def _answer(
+        self, weights: FloatArray, responses: OfKinds, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
         if not self.together:
-            return system_failures(responses, rule.weights, self.units, criteria)
+            return system_failures_of_kinds(responses, weights, self.units, criteria)
         # tau = 0 still refuses infinite responses, which have no difference
-        shift = self.units.shift
+        shift = self.units.shift if self.units.n_kinds == 1 else 0.0
         alone = [Criterion(c.threshold - shift, None if c.tau is None else 0.0) for c in criteria]
-        found = system_failures(responses, rule.weights, 1, alone)
+        found = system_failures(responses[0], weights, 1, alone)
         return [_if_flown(one, c) for one, c in zip(found, criteria, strict=True)]
+
+
+def of_system(surfaces: Sequence[Surface], units: SystemUnits) -> Surface:
+    """Return the response of a system, as a surface, where units share all their inputs."""
+    assert units.of_sorts is not None
+    kinds = units.of_kinds[units.of_sorts]
+
+    def surface(u: FloatArray) -> FloatArray:
+        every = np.stack([one(u) for one in surfaces], axis=-1)
+        return units.response(units.shifted(every[..., kinds]))
+
+    return surface
 
 
 def reliability_index(found: SystemProbability) -> float:

@@ -1,6 +1,6 @@
-"""Where a surface is evaluated: by quadrature, or along lines or rays drawn at random.
+"""Where surfaces are evaluated: by quadrature, or along lines or rays drawn at random.
 
-Quadrature comes first. Where refinement does not resolve the surface, or a few rays contradict it,
+Quadrature comes first. Where refinement does not resolve the surfaces, or a few rays contradict it,
 lines and rays are tried, and what errs less by its own measure is taken.
 """
 
@@ -18,8 +18,9 @@ from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import Compared
 from uqfold.system.sampled_rule import SAMPLED_STATIONS
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface import SurfaceSystem, reliability_indices
-from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfacePlan, plan_surface
+from uqfold.system.surface import Surfaces, SurfaceSystem, of_system, reliability_indices
+from uqfold.system.surface_plan import SurfacePlan, plans_of_kinds, rules_of_kinds
+from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule
 from uqfold.typing import FloatArray
 
 # Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
@@ -44,8 +45,8 @@ _AT_ODDS = 4.0
 
 
 def laid_out(
-    surface: Surface,
-    dimension: int,
+    surfaces: Surfaces,
+    dimensions: int | Sequence[int],
     n_shared: int,
     units: SystemUnits | int,
     criteria: Sequence[Criterion],
@@ -53,14 +54,16 @@ def laid_out(
     *,
     complete: bool = True,
 ) -> SurfaceSystem:
-    """Lay out the points for a surface.
+    """Lay out the points for the surface of all units, or for the surfaces of several kinds.
 
     Parameters
     ----------
-    surface
-        Response of one unit over standard-normal space.
-    dimension, n_shared
-        Number of variables, and how many of them (the first ones) are shared.
+    surfaces
+        Response of one unit over standard-normal space, or of one unit of each kind.
+    dimensions
+        Number of variables (of each kind).
+    n_shared
+        How many of them (the first ones) are shared.
     units
         The units and their structure, or the number n of units in series.
     criteria
@@ -71,31 +74,37 @@ def laid_out(
         Whether responses are finite everywhere; if not, `outcomes` will say where.
     """
     units = SystemUnits.of(units)
+    each = [surfaces] if callable(surfaces) else list(surfaces)
+    sizes = [dimensions] if isinstance(dimensions, int) else list(dimensions)
     single = units.count == 1 and all(criterion.missions == 1 for criterion in criteria)
-    together = single or n_shared == dimension
+    together = single or n_shared == max(sizes)
     most = units.count * max((one.max_missions for one in criteria), default=1)
-    max_points = min(max_points, _MOST_NUMBERS // dimension)
-    asked = _thresholds(units, criteria)
+    max_points = min(max_points, _MOST_NUMBERS // max(sizes))
+    asked = [_thresholds(units, criteria, kind) for kind in range(len(each))]
+    if together and len(each) > 1:
+        each, sizes = [of_system(each, units)], [n_shared]
+        asked = [_thresholds(SystemUnits(1), criteria, 0)]
     # with a shared input or tau, responses matter that lie between the thresholds and the body
     alone = together and all(one.tau is None for one in criteria)
-    plan = plan_surface(
-        surface, dimension, 0 if together else n_shared, most,
-        compared=Compared(asked, alone), max_points=max_points,
+    plans = plans_of_kinds(
+        each, sizes, 0 if together else n_shared, most,
+        [Compared(one, alone) for one in asked], max_points,
     )  # fmt: skip
     if not complete:
-        plan = plan.for_outcomes()
-    rule = plan.rule(max_points, asked)
-    quadrature = SurfaceSystem(rule, plan.coarse_rule(asked), units, together)
-    own = dimension - plan.axes.shared.shape[0]
+        plans = [plan.for_outcomes() for plan in plans]
+    rules = rules_of_kinds(plans, max_points, asked)
+    coarse = tuple(plan.coarse_rule(own) for plan, own in zip(plans, asked, strict=True))
+    quadrature = SurfaceSystem(rules, coarse, units, together)
+    own = max(plan.n_individual for plan in plans)
     # where responses are missing no error is stated: a better rule would gain nothing
-    if not complete or (own < _MISLEADING and (rule.resolved or own == 1)):
+    if not complete or (own < _MISLEADING and (quadrature.resolved or own == 1)):
         return quadrature
     # the same without tau is told at a fraction of the cost
     some = [
         Criterion(one.threshold, None, one.missions)
         for one in criteria[:: max(1, len(criteria) // _CRITERIA_TRIED)]
     ]
-    return _Choice(surface, some, plan, asked, max_points).between(quadrature)
+    return _Choice(each, some, plans, asked, max_points).between(quadrature)
 
 
 def surface_failures(
@@ -111,9 +120,9 @@ def surface_failures(
     return system.failures(surface, criteria)
 
 
-def _thresholds(units: SystemUnits, criteria: Sequence[Criterion]) -> FloatArray:
-    """Thresholds of units that tables are to hold exactly: all, or some spread among many."""
-    asked = np.unique(units.thresholds([one.threshold for one in criteria]))
+def _thresholds(units: SystemUnits, criteria: Sequence[Criterion], kind: int) -> FloatArray:
+    """Thresholds of one kind that tables are to hold exactly: all, or some spread among many."""
+    asked = np.unique(units.thresholds([one.threshold for one in criteria], kind))
     if asked.size > _MOST_EXACT:
         asked = asked[np.linspace(0, asked.size - 1, _MOST_EXACT).round().astype(int)]
     return np.asarray(asked)
@@ -129,8 +138,8 @@ class _Trial:
     along: float
 
     @classmethod
-    def of(cls, system: SurfaceSystem, surface: Surface, criteria: Sequence[Criterion]) -> _Trial:
-        responses = system.responses(surface)
+    def of(cls, system: SurfaceSystem, surfaces: Surfaces, criteria: Sequence[Criterion]) -> _Trial:
+        responses = system.responses(surfaces)
         return cls(
             system,
             reliability_indices(system.failures_given(responses, criteria)),
@@ -140,40 +149,40 @@ class _Trial:
 
 
 class _Choice:
-    """What a choice of rules looks at: a surface, some criteria, a plan of quadrature, a size."""
+    """What a choice of rules looks at: surfaces, some criteria, plans of quadrature, a size."""
 
     def __init__(
         self,
-        surface: Surface,
+        surfaces: Sequence[Surface],
         criteria: Sequence[Criterion],
-        plan: SurfacePlan,
-        asked: FloatArray,
+        plans: Sequence[SurfacePlan],
+        asked: Sequence[FloatArray],
         max_points: int,
     ) -> None:
-        self.surface = surface
+        self.surfaces = surfaces
         self.criteria = criteria
-        self.plan = plan
+        self.plans = plans
         self.asked = asked
         self.max_points = max_points
-        self.drawn = DrawnRules.of(surface, plan, asked)
+        self.drawn = [DrawnRules.of(*one) for one in zip(surfaces, plans, asked, strict=True)]
 
     def between(self, quadrature: SurfaceSystem) -> SurfaceSystem:
         """Choose between quadrature and lines or rays drawn at random."""
-        if quadrature.rule.resolved:
+        if quadrature.resolved:
             return quadrature if self._confirmed(quadrature) else self._sampled(quadrature)[0]
         sampled, error = self._sampled(quadrature)
-        fewer = self.plan.rule(self.max_points // _FEWER_POINTS, self.asked)
-        if error <= _WELL_KNOWN or len(fewer.points) >= len(quadrature.rule.points):
+        fewer = rules_of_kinds(self.plans, self.max_points // _FEWER_POINTS, self.asked)
+        if error <= _WELL_KNOWN or _size(fewer) >= _size(quadrature.rules):
             return sampled
         # what refinement could not settle over the whole distribution may be settled here
-        changed = self._apart(quadrature, replace(quadrature, rule=fewer))
+        changed = self._apart(quadrature, replace(quadrature, rules=fewer))
         if changed < error and self._apart(quadrature, sampled) <= _AT_ODDS * (changed + error):
-            return replace(quadrature, rule=replace(quadrature.rule, error=changed))
+            return _with_error(quadrature, changed)
         return sampled
 
     def _apart(self, one: SurfaceSystem, other: SurfaceSystem) -> float:
         """Largest distance of the reliability indices of two systems."""
-        first, second = (system.indices(self.surface, self.criteria) for system in (one, other))
+        first, second = (system.indices(self.surfaces, self.criteria) for system in (one, other))
         return float(np.abs(first - second).max())
 
     def _confirmed(self, quadrature: SurfaceSystem) -> bool:
@@ -182,14 +191,14 @@ class _Choice:
         Refinement looks from two places, and may miss what is to be seen from others. A few rays
         are drawn, and more of them as long as they neither confirm nor contradict.
         """
-        responses = quadrature.responses(self.surface)
+        responses = quadrature.responses(self.surfaces)
         found = quadrature.failures_given(responses, self.criteria)
         indices = reliability_indices(found)
         allowed = quadrature.integration_errors(responses, self.criteria)
         most = _CHECKED
         while True:
-            rays = replace(quadrature, rule=self.drawn.rule(most, rays=True))
-            few = _Trial.of(rays, self.surface, self.criteria)
+            rays = self._drawn(quadrature, most, rays=True)
+            few = _Trial.of(rays, self.surfaces, self.criteria)
             beyond = (np.abs(few.indices - indices) - allowed) / few.errors
             if beyond.max() <= _CONFIRMED:
                 return True
@@ -206,8 +215,8 @@ class _Choice:
         """
 
         def tried(most: int, stations: int, *, rays: bool) -> _Trial:
-            rule = self.drawn.rule(most, rays=rays, stations=stations)
-            return _Trial.of(replace(quadrature, rule=rule), self.surface, self.criteria)
+            system = self._drawn(quadrature, most, rays=rays, stations=stations)
+            return _Trial.of(system, self.surfaces, self.criteria)
 
         def trial(*, rays: bool) -> _Trial:
             for stations in SAMPLED_STATIONS:
@@ -223,16 +232,41 @@ class _Choice:
         error = float(gap[contradicted].max(initial=0.0))
         by_rays = bool(rays.errors.max() < lines.errors.max())
         best = rays if by_rays else lines
-        stations = best.system.rule.lines.stations.size
+        stations = max(rule.lines.stations.size for rule in best.system.rules if rule.lines.sampled)
         while best.errors.max() > _ENOUGH and most < enough:
             most = min(4 * most, enough)
             best = tried(most, stations, rays=by_rays)
         found = best.system
-        step = max(1, found.rule.points.shape[0] // _MOST_COARSE)
-        nodes, weights = self.drawn.fewer
-        if weights.size < self.drawn.weights.size:
-            fewer = replace(found, rule=replace(found.rule, shared_nodes=nodes, weights=weights))
-            error = math.hypot(error, self._apart(found, fewer))
-        rule, coarse = replace(found.rule, error=error), found.rule.parts(step)[0][0]
+        step = max(1, _size(found.rules) // _MOST_COARSE)
+        nodes, weights = self.drawn[0].fewer
+        if weights.size < self.drawn[0].weights.size:
+            fewer = tuple(
+                replace(rule, shared_nodes=nodes, weights=weights) for rule in found.rules
+            )
+            error = math.hypot(error, self._apart(found, replace(found, rules=fewer)))
         largest = math.hypot(error, float(best.errors.max()))
-        return replace(found, rule=rule, coarse=coarse), largest
+        coarse = tuple(
+            rule.parts(step)[0][0] if rule.lines.sampled else rule for rule in found.rules
+        )
+        return replace(_with_error(found, error), coarse=coarse), largest
+
+    def _drawn(
+        self,
+        quadrature: SurfaceSystem,
+        most: int,
+        *,
+        rays: bool,
+        stations: int = SAMPLED_STATIONS[0],
+    ) -> SurfaceSystem:
+        """Draw lines or rays for all kinds, of at most so many points."""
+        share = most // len(self.drawn)
+        rules = [one.rule(share, rays=rays, stations=stations) for one in self.drawn]
+        return replace(quadrature, rules=tuple(rules))
+
+
+def _size(rules: Sequence[SurfaceRule]) -> int:
+    return sum(rule.points.shape[0] for rule in rules)
+
+
+def _with_error(system: SurfaceSystem, error: float) -> SurfaceSystem:
+    return replace(system, rules=tuple(replace(rule, error=error) for rule in system.rules))
