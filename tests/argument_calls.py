@@ -868,6 +868,10 @@ def calls(folder: Path) -> dict[str, Call]:
         "problems.four_bar": Call(problems.four_bar, {"branch": choice("crossed")}),
         "problems.four_branch": Call(problems.four_branch, {"k": number(6.0)}),
         "problems.series": Call(problems.series, {}),
+        "problems.stress_strength": Call(
+            problems.stress_strength,
+            {"units": count(3), "works": count(2), "strength": number(5.0)},
+        ),
         "report.Page": Call(
             report.Page,
             {"title": text(), "lead": text(), "kind": text(), "imprint": text()},

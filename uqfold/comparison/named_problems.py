@@ -58,6 +58,7 @@ def available_problems() -> dict[str, NamedProblem]:
         ("folding-wing-random-lengths", "the same with random lengths of crank and rod", 40_000),
         ("series", "series system, nonlinear response: a formula", 2_000_000),
         ("four-bar", "two four-bar linkages on a crank: a formula", 2_000_000),
+        ("stress-strength", "four redundant units under one stress: a formula", 2_000_000),
     )
     return {
         name: NamedProblem(name, description, _of_the_package(name), max_evals)
