@@ -235,6 +235,10 @@ def calls(folder: Path) -> dict[str, Call]:
     table = validation.Table("T", ("series", "x", "y"), (("a", 1.0, 2.0),))
     points = validation.Points("P", "x", "y", table)
     claim = validation.Claim("key", "It is so.", "Section 1", "always")
+    gate = '<define-gate name="top"><event name="pump"/></define-gate>'
+    (tree := folder / "tree.xml").write_text(
+        f'<opsa-mef><define-fault-tree name="t">{gate}</define-fault-tree></opsa-mef>'
+    )
     case_path = write_case_record(full_record(), folder / "cases" / "a_case.json")
     cases = case_path.parent
     session = methods.Kriging(runs=6).start(problem, criterion, rng=1)
@@ -305,6 +309,9 @@ def calls(folder: Path) -> dict[str, Call]:
         "Parallel": Call(uqfold.Parallel, {}),
         "PathSets": Call(uqfold.PathSets, {"sets": numbers([[0, 1]])}),
         "Structure": Call(uqfold.Structure, {"expression": text("a")}),
+        "Structure.from_open_psa": Call(
+            uqfold.Structure.from_open_psa, {"path": thing(tree), "top": optional(thing("top"))}
+        ),
         "Series": Call(uqfold.Series, {}),
         "Problem": Call(
             uqfold.Problem,

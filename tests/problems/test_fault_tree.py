@@ -128,7 +128,11 @@ def test_a_hundred_gates_with_repeated_events_take_seconds(tmp_path: Path) -> No
             "both read as a_b",
         ),
         ('<define-gate name="g"><constant value="true"/></define-gate>', None, "always fails"),
-        ('<define-gate name="g"><event name="a"/></define-gate>', "h", "'h' is not defined"),
+        (
+            '<define-gate name="g"><event name="a"/></define-gate>',
+            "h",
+            "top = 'h': gate 'h' is not defined",
+        ),
         ("", None, "it has none"),
         ('<define-gate name="g"/>', None, "0 formulas"),
         ('<define-gate name="g"><event/></define-gate>', None, "has no name"),

@@ -106,7 +106,10 @@ def _top(reader: _Reader, top: str | None) -> str:
     """Return the full name of the gate that is meant."""
     gates = [name for name, one in reader.defined.items() if one.kind == "gate"]
     if top is not None:
-        return reader.meant(checks.text("top", top), "gate", ())[1]
+        try:
+            return reader.meant(checks.text("top", top), "gate", ())[1]
+        except ValueError as error:
+            raise checks.refused("top", top, str(error)) from None
     used = {key for gate in gates for key in reader.used(gate)}
     tops = [name for name in gates if ("gate", name) not in used]
     if len(tops) != 1:
