@@ -33,6 +33,8 @@ from uqfold.typing import FloatArray, IntArray
 
 Trend: TypeAlias = Literal["best", "constant", "linear", "quadratic", "pce"]
 
+Tried: TypeAlias = tuple[Trend, Kernel]
+
 MAX_RUNS = 2_000
 """Ceiling on the training size: a fit costs its cube."""
 _DEGREES = {"constant": 0, "linear": 1, "quadratic": 2}
@@ -136,11 +138,13 @@ class Kriging(SequentialMethod):
         return super().supports(problem, criterion)
 
     def _steps(self, task: Task) -> Steps:
-        answered = partial(self._answered, task)
+        answered = partial(self._answered, task, {})
         return (yield from grown(task, self.runs, MAX_RUNS, self.spread, answered))
 
-    def _answered(self, task: Task, runs: DesignRuns) -> tuple[Solution, float]:
-        fits, stopped = task.summed_up(partial(self._fitted, task, runs))
+    def _answered(
+        self, task: Task, known: dict[Tried, GaussianProcess], runs: DesignRuns
+    ) -> tuple[Solution, float]:
+        fits, stopped = task.summed_up(partial(self._fitted, task, known, runs))
         surface, *others = fits
         if stopped:
             runs = replace(runs, stopped=stopped)
@@ -159,11 +163,12 @@ class Kriging(SequentialMethod):
         return Solution(found.estimates, details), found.shortfall
 
     def _fitted(
-        self, task: Task, runs: DesignRuns, stopped: str
+        self, task: Task, known: dict[Tried, GaussianProcess], runs: DesignRuns, stopped: str
     ) -> tuple[list[GaussianProcess], str]:
         """Processes with the trends and kernels that are tried, the best one first.
 
-        When the time is over, the quickest alone, and why there are no more.
+        Those `known` from fewer runs are where the search for their hyperparameters starts. When
+        the time is over, the quickest alone, and why there are no more.
         """
         u, y = runs.u[runs.finite], runs.y[runs.finite]
         names: tuple[Trend, ...]
@@ -182,8 +187,9 @@ class Kriging(SequentialMethod):
                 for kernel in kernels:
                     fit = fit_gaussian_process(
                         u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2),
-                        rotation=rotation,
+                        start=known.get((name, kernel)), rotation=rotation,
                     )  # fmt: skip
+                    known[name, kernel] = fit
                     # what is picked with all responses foretells those left out better than new
                     # ones: each counts as one parameter fitted, as in Akaike's criterion
                     optimism = n_picked / y.size

@@ -28,7 +28,7 @@ from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface import reliability_indices
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray, IntArray
@@ -221,22 +221,24 @@ def _answered(
 ) -> SurfaceAnswers:
     problem = task.problem
     inputs = problem.inputs
-    system = laid_out(
-        surface.mean, inputs.dimension, inputs.n_shared, SystemUnits.of(problem), task.criteria,
-        max_points, complete=runs.complete,
-    )  # fmt: skip
-    outcomes = None if runs.complete else runs.outcomes
     validated = surface.leave_one_out()
-    if inputs.dimension >= MANY_INPUTS:
-        fitted = runs.u[runs.finite], runs.y[runs.finite]
-        common = with_common_powers(surface.mean, *fitted, validated.residuals)
-        rivals = [*rivals, Rival(common, share=1.0)]
-    doubts = _doubts(runs, validated if beta_std is None else None, system)
+    doubts = _doubts(runs, validated if beta_std is None else None)
     if validated.contradicts(stated_noise):
         doubts.append(
             f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
             f"{validated.rms:.2g}, {validated.ratio:.2g} times what the surface states"
         )
+    system = laid_out(
+        surface.mean, inputs.dimension, inputs.n_shared, SystemUnits.of(problem), task.criteria,
+        max_points, complete=runs.complete, trusted=not doubts,
+    )  # fmt: skip
+    if not doubts and not system.resolved:
+        doubts = ["the surface changes too abruptly to be integrated accurately"]
+    outcomes = None if runs.complete else runs.outcomes
+    if inputs.dimension >= MANY_INPUTS:
+        fitted = runs.u[runs.finite], runs.y[runs.finite]
+        common = with_common_powers(surface.mean, *fitted, validated.residuals)
+        rivals = [*rivals, Rival(common, share=1.0)]
 
     responses = system.responses(surface.mean, outcomes, noise)
     # units differ by what the surface makes of their own inputs: is that more than its error?
@@ -453,7 +455,7 @@ def _scatter(responses: Sequence[ConditionalResponse], weights: FloatArray) -> f
     return float(weights @ np.array(scatter) / weights.sum())
 
 
-def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSystem) -> list[str]:
+def _doubts(runs: DesignRuns, validated: LeaveOneOut | None) -> list[str]:
     """Why no answer of this surface can be trusted."""
     doubts = []
     infinite = int(np.isinf(runs.y).sum())
@@ -477,6 +479,4 @@ def _doubts(runs: DesignRuns, validated: LeaveOneOut | None, system: SurfaceSyst
         doubts.append(
             f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
         )
-    if not system.resolved:
-        doubts.append("the surface changes too abruptly to be integrated accurately")
     return doubts

@@ -22,12 +22,14 @@ def correlation(kernel: Kernel, squared: FloatArray) -> FloatArray:
     return np.asarray((1.0 + a + a * a / 3.0) * np.exp(-a))
 
 
-def correlation_slope(kernel: Kernel, squared: FloatArray) -> FloatArray:
-    """Derivative in the logarithm of l_i, divided by the scaled square (du_i / l_i)^2."""
+def correlation_and_slope(kernel: Kernel, squared: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Correlation, and its derivative in log(l_i), divided by the scaled square (du_i / l_i)^2."""
     if kernel == "gaussian":
-        return np.asarray(np.exp(-0.5 * squared))
+        related = np.exp(-0.5 * squared)
+        return related, related.copy()
     a = np.sqrt(5.0 * squared)
-    return np.asarray(5.0 / 3.0 * (1.0 + a) * np.exp(-a))
+    fading = np.exp(-a)
+    return (1.0 + a + a * a / 3.0) * fading, 5.0 / 3.0 * (1.0 + a) * fading
 
 
 def scaled_squared_distances(a: FloatArray, b: FloatArray, length_scales: FloatArray) -> FloatArray:

@@ -15,12 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from uqfold.surrogates.kernels import (
-    Kernel,
-    correlation,
-    correlation_slope,
-    scaled_squared_distances,
-)
+from uqfold.surrogates.kernels import Kernel, correlation_and_slope, scaled_squared_distances
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
@@ -131,13 +126,15 @@ class _Objective:
         self.y, self.basis, self.kernel = y, basis, kernel
         self.noise_variance = noise_variance
         self.dimension = u.shape[1]
+        # matrices are symmetric: what lies below the diagonal, row by row, tells them
+        self.row, self.column = np.tril_indices(y.size, -1)
+        self.below = self.row * y.size + self.column
         if self.dimension < ONE_SCALE_FROM:
-            self.scales = self.dimension
-            self.squares = ((u[:, None, :] - u[None, :, :]) ** 2).transpose(2, 0, 1)
+            self.squares = (u[self.row] - u[self.column]).T ** 2
         else:
-            self.scales = 1
-            self.squares = scaled_squared_distances(u, u, np.ones(self.dimension))[None]
-        self.flat = self.squares.reshape(self.scales, -1)
+            whole = scaled_squared_distances(u, u, np.ones(self.dimension))
+            self.squares = whole[None, self.row, self.column]
+        self.scales = self.squares.shape[0]
 
     def pack(self, values: Hyperparameters) -> FloatArray:
         lengths = np.log(values.length_scales[: self.scales])
@@ -159,23 +156,24 @@ class _Objective:
         check_time()
         values, d, n = self.unpack(logs), self.scales, self.y.size
         inverse_squares = values.length_scales[:d] ** -2.0
-        squared = np.tensordot(inverse_squares, self.squares, axes=1)
-        process = values.process_variance * correlation(self.kernel, squared)
-        covariance = process.copy()
-        covariance[np.diag_indices(n)] += values.noise_variance + JITTER * values.process_variance
+        variance = values.process_variance
+        related, slope = correlation_and_slope(self.kernel, inverse_squares @ self.squares)
+        covariance = np.zeros((n, n))
+        covariance.ravel()[self.below] = variance * related
+        jitter = JITTER * variance
+        covariance[np.diag_indices(n)] = variance + values.noise_variance + jitter
         try:
             projection = Projection(covariance, self.basis)
         except np.linalg.LinAlgError:
             return _NOT_POSITIVE_DEFINITE, np.zeros(logs.size)
         alpha = projection.matrix @ self.y
         value = projection.log_determinant + float(self.y @ alpha)
-        sensitivity = projection.matrix - np.outer(alpha, alpha)
-        slope = values.process_variance * correlation_slope(self.kernel, squared)
+        sensitivity = projection.matrix.ravel()[self.below] - alpha[self.row] * alpha[self.column]
+        trace = float(np.trace(projection.matrix) - alpha @ alpha)
         gradient = np.empty(logs.size)
-        gradient[:d] = (self.flat @ (sensitivity * slope).ravel()) * inverse_squares
-        jitter = JITTER * values.process_variance
-        trace = float(np.trace(sensitivity))
-        gradient[d] = float((sensitivity * process).sum()) + jitter * trace
+        slope *= sensitivity
+        gradient[:d] = 2.0 * variance * (self.squares @ slope) * inverse_squares
+        gradient[d] = 2.0 * variance * float(sensitivity @ related) + (variance + jitter) * trace
         if self.noise_variance is None:
             gradient[d + 1] = values.noise_variance * trace
         centre, spread = _LENGTH_PRIOR
@@ -186,7 +184,7 @@ class _Objective:
 
 
 class Projection:
-    """Inverse of a covariance matrix with the trend projected out.
+    """Inverse of a covariance matrix with the trend projected out; its lower half is read.
 
     Attributes
     ----------
@@ -206,21 +204,22 @@ class Projection:
     """
 
     def __init__(self, covariance: FloatArray, basis: FloatArray) -> None:
-        from scipy.linalg import cho_solve, solve_triangular
+        from scipy.linalg import solve_triangular
+        from scipy.linalg.lapack import dpotri
 
-        n, p = basis.shape
-        self.factor = np.linalg.cholesky(covariance)
-        inverse = cho_solve((self.factor, True), np.eye(n), check_finite=False)
-        whitened = solve_triangular(self.factor, basis, lower=True, check_finite=False)
+        p = basis.shape[1]
+        factor = np.linalg.cholesky(covariance)
+        triangle = dpotri(factor.T)[0]
+        inverse = triangle + triangle.T
+        inverse[np.diag_indices_from(inverse)] *= 0.5
+        whitened = solve_triangular(factor, basis, lower=True, check_finite=False)
         q, r = np.linalg.qr(whitened)
         diagonal = np.abs(np.diag(r))
         if p and not diagonal.min() > 1e-12 * diagonal.max():
             raise np.linalg.LinAlgError("dependent trend functions")
-        reduced = solve_triangular(self.factor, q, lower=True, trans=1, check_finite=False)
+        reduced = solve_triangular(factor, q, lower=True, trans=1, check_finite=False)
         self.matrix = inverse - reduced @ reduced.T
-        self.log_determinant = 2.0 * float(
-            np.log(np.diag(self.factor)).sum() + np.log(diagonal).sum()
-        )
+        self.log_determinant = 2.0 * float(np.log(np.diag(factor)).sum() + np.log(diagonal).sum())
         self.coefficients = solve_triangular(r, reduced.T, check_finite=False)
         half = solve_triangular(r, np.eye(p), check_finite=False)
         self.trend_covariance = half @ half.T

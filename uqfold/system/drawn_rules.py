@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,6 +48,8 @@ class DrawnRules:
         The surface at some of the shared nodes, as a function of the individual variables.
     asked
         Thresholds (T,) that tables are to hold exactly.
+    short
+        Whether tables of a third of the usual length will do.
     rng
         Source of lines and rays.
     """
@@ -59,10 +61,13 @@ class DrawnRules:
     directions: DirectionMixture | None
     values: Values
     asked: FloatArray
+    short: bool
     rng: np.random.Generator
 
     @classmethod
-    def of(cls, surface: Surface, plan: SurfacePlan, asked: FloatArray) -> DrawnRules:
+    def of(
+        cls, surface: Surface, plan: SurfacePlan, asked: FloatArray, *, short: bool
+    ) -> DrawnRules:
         """Find the directions of failure of a surface; the same surface gives the same ones."""
         nodes, weights = plan.shared_rule()
         fewer = plan.shared_rule(weights.size // 2)
@@ -75,9 +80,9 @@ class DrawnRules:
 
         axes = plan.axes.individual
         if axes.shape[0] == 1:
-            return cls(nodes, weights, fewer, axes, None, values, asked, rng)
+            return cls(nodes, weights, fewer, axes, None, values, asked, short, rng)
         directions = failure_directions(values, axes.shape[0], asked, rng)
-        return cls(nodes, weights, fewer, axes, directions, values, asked, rng)
+        return cls(nodes, weights, fewer, axes, directions, values, asked, short, rng)
 
     @cached_property
     def places(self) -> Places:
@@ -100,4 +105,5 @@ class DrawnRules:
         else:
             along, across = self.axes[:, 0], self.axes[:, 1:]
             lines = random_lines(along, across, self.places, size, stations, self.asked, self.rng)
+        lines = replace(lines, short=self.short)
         return SurfaceRule(self.shared_nodes, self.weights, lines, error=0.0)

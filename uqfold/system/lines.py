@@ -8,6 +8,7 @@ and whether failure lies at one end of the line, at both, or in between.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -140,24 +141,76 @@ class LineRule:
         if high - low <= 1e-13 * max(abs(low), abs(high)):
             return AtomicDistribution((0.5 * (low + high) if high > low else low,))
         levels = self._levels(table)
-        curves = table @ upsample.T
-        runs = _Runs.of(curves, fine, levels, 1e-13 * (high - low), usable)
-        start, end = runs.ends.T[:, :, None]
-        at = self._tails(runs.crossings)
-        left, right = self._tails(start).up_to(at), at.up_to(self._tails(end))
-        rising = runs.rising[:, None]
-        below = self._mean(runs.line, np.where(rising, left, right))
-        above = self._mean(runs.line, np.where(rising, right, left))
-        return _tabulated(levels, below, above)
+        below, above = self._masses(table @ upsample.T, fine, levels, usable)
+        return _tabulated(levels, self._mean(below), self._mean(above))
 
-    def _mean(self, line: IntArray, masses: FloatArray) -> FloatArray:
-        """Mean over all lines (L,) of masses (M, L) on their pieces."""
+    def _masses(
+        self, curves: FloatArray, s: FloatArray, levels: FloatArray, usable: BoolArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Probability (lines, L) below and above the levels (L,) on curves over positions s.
+
+        What a curve is at a place in the middle holds all along the line, but for the tail beyond
+        each crossing, on the side away from the middle; the tail is exact however small it is.
+        """
+        count, middle = levels.size, int(np.argmax(self._tails(s).far))
+        # how many levels lie below the curve
+        rank = np.searchsorted(levels, curves)
+        step = np.diff(rank, axis=1)
+        if usable is not None:
+            step[~(usable[:, 1:] & usable[:, :-1])] = 0
+        line, cell = np.nonzero(step)
+        rise = step[line, cell]
+        crossed = np.abs(rise)
+        each = np.repeat(np.arange(line.size), crossed)
+        first = np.minimum(rank[line, cell], rank[line, cell + 1])
+        level = (
+            first[each] + np.arange(each.size) - np.repeat(np.cumsum(crossed) - crossed, crossed)
+        )
+        start, end = curves[line, cell][each], curves[line, cell + 1][each]
+        at = s[cell][each] + (levels[level] - start) / (end - start) * (s[1] - s[0])
+        tail = np.sign(rise)[each] * self._signed(at, cell[each] >= middle)
+        place, shape = line[each] * count + level, (curves.shape[0], count)
+        moved = np.bincount(place, tail, math.prod(shape)).reshape(shape)
+        over = rank[:, middle, None] > np.arange(count)
+        below, above = np.where(over, -moved, 1.0 - moved), np.where(over, 1.0 + moved, moved)
+        if usable is not None:
+            below, above = self._with_gaps(below, above, rank, usable, s, middle)
+        return np.maximum(below, 0.0), np.maximum(above, 0.0)
+
+    def _with_gaps(
+        self,
+        below: FloatArray,
+        above: FloatArray,
+        rank: IntArray,
+        usable: BoolArray,
+        s: FloatArray,
+        middle: int,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Take away the probability of gaps, which end half way between two positions."""
+        gone = ~usable[:, middle, None]
+        over = rank[:, middle, None] > np.arange(below.shape[1])
+        below, above = below - (gone & ~over), above - (gone & over)
+        line, cell = np.nonzero(usable[:, 1:] != usable[:, :-1])
+        opens = usable[line, cell + 1]
+        tail = self._signed(0.5 * (s[cell] + s[cell + 1]), cell >= middle)
+        shape = below.shape[0], below.shape[1] + 1
+        place = line * shape[1] + rank[line, cell + opens]
+        edges = np.bincount(place, np.where(opens, tail, -tail), math.prod(shape)).reshape(shape)
+        below = below + np.cumsum(edges, axis=1)[:, :-1]
+        return below, above + np.cumsum(edges[:, ::-1], axis=1)[:, -2::-1]
+
+    def _signed(self, edge: FloatArray, beyond: BoolArray) -> FloatArray:
+        """Return the tail above edges beyond the middle, and minus the one below the others."""
+        tails = self._tails(edge)
+        return np.where(beyond, tails.above, -tails.below)
+
+    def _mean(self, masses: FloatArray) -> FloatArray:
+        """Mean (L,) over all lines of masses (lines, L)."""
         if not self.sampled:
-            return np.asarray(self.weights[line] @ masses)
+            return np.asarray(self.weights @ masses)
         count = self.weights.size
         weight = count * self.weights
-        parts = np.zeros((count, masses.shape[1]))
-        np.add.at(parts, line, weight[line, None] * masses)
+        parts = weight[:, None] * masses
         # the mean weight is known to be 1: a control variate
         off = weight - weight.mean()
         square = float(off @ off)
@@ -189,74 +242,6 @@ class LineRule:
         return np.asarray(levels[first[1:]])
 
 
-@dataclass(frozen=True, eq=False)
-class _Runs:
-    """Monotone pieces of all lines.
-
-    `line` (M,) they belong to, `ends` (M, 2) along it, whether they are `rising` (M,), and where
-    they cross the levels, `crossings` (M, L), or their nearer end.
-    """
-
-    line: IntArray
-    ends: FloatArray
-    rising: BoolArray
-    crossings: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        curves: FloatArray,
-        s: FloatArray,
-        levels: FloatArray,
-        rounding: float,
-        usable: BoolArray | None,
-    ) -> _Runs:
-        steps = np.diff(curves, axis=1)
-        signs = np.where(np.abs(steps) <= rounding, 0.0, np.sign(steps))
-        whole = np.ones(curves.shape, dtype=bool) if usable is None else usable
-        gap = np.zeros((whole.shape[0], 1), dtype=bool)
-        opens = whole & ~np.hstack([gap, whole[:, :-1]])
-        closes = whole & ~np.hstack([whole[:, 1:], gap])
-        turns = _turns(signs, whole, opens)
-        line, first = np.nonzero(opens | turns)
-        last = np.nonzero(closes | turns)[1]
-        begin, end = curves[line, first], curves[line, last]
-        rising = end >= begin
-        crossings = np.empty((line.size, levels.size))
-        for row, (k, a, b, up) in enumerate(zip(line, first, last, rising, strict=True)):
-            order = 1 if up else -1
-            piece, where = curves[k, a : b + 1][::order], s[a : b + 1][::order]
-            crossings[row] = np.interp(levels, np.maximum.accumulate(piece), where)
-        # a piece next to a gap, or to the end of the line, goes on to the cell's end
-        starts, stops = _cells(s)
-        low = np.where(opens[line, first], starts[first], s[first])
-        high = np.where(closes[line, last], stops[last], s[last])
-        least, most = np.where(rising, [begin, end], [end, begin])[:, :, None]
-        near, far = np.where(rising, [low, high], [high, low])[:, :, None]
-        crossings = np.where(levels < least, near, crossings)
-        crossings = np.where(levels >= most, far, crossings)
-        return cls(line, np.stack([low, high], axis=1), rising, crossings)
-
-
-def _turns(signs: FloatArray, usable: BoolArray, opens: BoolArray) -> BoolArray:
-    """Where curves turn, given the signs of their steps and where stretches of them begin.
-
-    Level steps belong to what came before.
-    """
-    turns = np.zeros(usable.shape, dtype=bool)
-    moving = (signs != 0.0) & usable[:, :-1] & usable[:, 1:]
-    if moving.all():
-        # nearly always so, and many times as fast
-        turns[:, 1:-1] = signs[:, 1:] != signs[:, :-1]
-        return turns
-    stretch = np.cumsum(opens).reshape(opens.shape)
-    line, step = np.nonzero(moving)
-    sign, part = signs[line, step], stretch[line, step]
-    turned = (sign[1:] != sign[:-1]) & (part[1:] == part[:-1])
-    turns[line[1:][turned], step[1:][turned]] = True
-    return turns
-
-
 def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Ends of the cells around the positions s; the outer ones are infinite."""
     middle = 0.5 * (s[1:] + s[:-1])
@@ -272,11 +257,18 @@ class _Tails:
     far: BoolArray
 
     @classmethod
+    def of(cls, smaller: FloatArray, far: BoolArray) -> _Tails:
+        """Complete the smaller of both probabilities, the one above where edges are far."""
+        return cls(
+            np.where(far, 1.0 - smaller, smaller), np.where(far, smaller, 1.0 - smaller), far
+        )
+
+    @classmethod
     def normal(cls, edge: FloatArray) -> _Tails:
         """Return those of a standard-normal variable."""
         from scipy.special import ndtr
 
-        return cls(ndtr(edge), ndtr(-edge), edge > 0.0)
+        return cls.of(ndtr(-np.abs(edge)), edge > 0.0)
 
     @classmethod
     def radial(cls, d: int, edge: FloatArray) -> _Tails:
@@ -284,7 +276,11 @@ class _Tails:
         from scipy.special import gammainc, gammaincc
 
         half = 0.5 * np.maximum(edge, 0.0) ** 2
-        return cls(gammainc(0.5 * d, half), gammaincc(0.5 * d, half), half > 0.5 * d)
+        far = half > 0.5 * d
+        smaller = np.empty(half.shape)
+        smaller[far] = gammaincc(0.5 * d, half[far])
+        smaller[~far] = gammainc(0.5 * d, half[~far])
+        return cls.of(smaller, far)
 
     def up_to(self, other: _Tails) -> FloatArray:
         """Probability from these edges to others, from the tail in which it is small."""

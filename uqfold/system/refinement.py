@@ -205,7 +205,7 @@ def _need(
     def found(level: int) -> _Distribution:
         nodes, weights = ladder_rule(level)
         starts = base + nodes[:, None] * direction
-        return _on_lines(surface, axes, (starts, weights), STATIONS[0], compared.exact)
+        return _on_lines(surface, axes, (starts, weights), STATIONS[0], compared)
 
     first = len(GAUSS)
     finer = found(first)
@@ -224,9 +224,9 @@ def _need(
 def _along(surface: Surface, axes: Axes, base: FloatArray, compared: Compared) -> Need:
     start = base[None, :], np.ones(1)
     errors: list[float] = []
-    finer = _on_lines(surface, axes, start, STATIONS[0], compared.exact)
+    finer = _on_lines(surface, axes, start, STATIONS[0], compared)
     for level in range(len(STATIONS) - 1):
-        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1], compared.exact)
+        coarser, finer = finer, _on_lines(surface, axes, start, STATIONS[level + 1], compared)
         errors.append(_distance(coarser, finer, compared))
         if errors[-1] <= TOLERANCE:
             return Need(level, tuple(errors))
@@ -234,11 +234,11 @@ def _along(surface: Surface, axes: Axes, base: FloatArray, compared: Compared) -
 
 
 def _on_lines(
-    surface: Surface, axes: Axes, starts: Rule, stations: int, exact: FloatArray
+    surface: Surface, axes: Axes, starts: Rule, stations: int, compared: Compared
 ) -> _Distribution:
     positions = np.linspace(-REACH, REACH, stations)
     points = (starts[0][:, None, :] + positions[:, None] * axes.along).reshape(-1, axes.along.size)
-    lines = LineRule(points, starts[1], positions, asked=exact)
+    lines = LineRule(points, starts[1], positions, compared.alone, compared.exact)
     found = lines.response(surface(points)).distribution
     assert isinstance(found, TabulatedDistribution | AtomicDistribution)
     return found

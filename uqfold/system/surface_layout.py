@@ -26,6 +26,8 @@ from uqfold.typing import FloatArray
 # Coordinates of all points at which a surface is evaluated: bounds memory for many variables.
 _MOST_NUMBERS = 20_000_000
 _MOST_EXACT = 50
+# How many times fewer points do where answers are doubted whatever the rule.
+_DOUBTED = 8
 # Individual variables from which refinement along single directions may mislead.
 _MISLEADING = 3
 # Points of a first check by rays; errors of the check within which quadrature is confirmed, and
@@ -53,6 +55,7 @@ def laid_out(
     max_points: int = MAX_POINTS,
     *,
     complete: bool = True,
+    trusted: bool = True,
 ) -> SurfaceSystem:
     """Lay out the points for the surface of all units, or for the surfaces of several kinds.
 
@@ -72,6 +75,8 @@ def laid_out(
         Most points at which the surface is to be evaluated for an answer.
     complete
         Whether responses are finite everywhere; if not, `outcomes` will say where.
+    trusted
+        Whether an error will be stated of the answers; if not, some quadrature is good enough.
     """
     units = SystemUnits.of(units)
     each = [surfaces] if callable(surfaces) else list(surfaces)
@@ -79,7 +84,7 @@ def laid_out(
     single = units.count == 1 and all(criterion.missions == 1 for criterion in criteria)
     together = single or n_shared == max(sizes)
     most = units.count * max((one.max_missions for one in criteria), default=1)
-    max_points = min(max_points, _MOST_NUMBERS // max(sizes))
+    max_points = min(max_points if trusted else max_points // _DOUBTED, _MOST_NUMBERS // max(sizes))
     asked = [_thresholds(units, criteria, kind) for kind in range(len(each))]
     if together and len(each) > 1:
         each, sizes = [of_system(each, units)], [n_shared]
@@ -97,14 +102,15 @@ def laid_out(
     quadrature = SurfaceSystem(rules, coarse, units, together)
     own = max(plan.n_individual for plan in plans)
     # where responses are missing no error is stated: a better rule would gain nothing
-    if not complete or (own < _MISLEADING and (quadrature.resolved or own == 1)):
+    if not (complete and trusted) or (own < _MISLEADING and (quadrature.resolved or own == 1)):
         return quadrature
     # the same without tau is told at a fraction of the cost
     some = [
         Criterion(one.threshold, None, one.missions)
         for one in criteria[:: max(1, len(criteria) // _CRITERIA_TRIED)]
     ]
-    return _Choice(each, some, plans, asked, max_points).between(quadrature)
+    drawn = [DrawnRules.of(*one, short=alone) for one in zip(each, plans, asked, strict=True)]
+    return _Choice(each, some, plans, asked, max_points, drawn).between(quadrature)
 
 
 def surface_failures(
@@ -158,13 +164,14 @@ class _Choice:
         plans: Sequence[SurfacePlan],
         asked: Sequence[FloatArray],
         max_points: int,
+        drawn: Sequence[DrawnRules],
     ) -> None:
         self.surfaces = surfaces
         self.criteria = criteria
         self.plans = plans
         self.asked = asked
         self.max_points = max_points
-        self.drawn = [DrawnRules.of(*one) for one in zip(surfaces, plans, asked, strict=True)]
+        self.drawn = drawn
 
     def between(self, quadrature: SurfaceSystem) -> SurfaceSystem:
         """Choose between quadrature and lines or rays drawn at random."""
@@ -175,15 +182,16 @@ class _Choice:
         if error <= _WELL_KNOWN or _size(fewer) >= _size(quadrature.rules):
             return sampled
         # what refinement could not settle over the whole distribution may be settled here
-        changed = self._apart(quadrature, replace(quadrature, rules=fewer))
-        if changed < error and self._apart(quadrature, sampled) <= _AT_ODDS * (changed + error):
+        indices = self._indices(quadrature)
+        changed = _apart(indices, self._indices(replace(quadrature, rules=fewer)))
+        contradicted = _apart(indices, self._indices(sampled)) > _AT_ODDS * (changed + error)
+        if changed < error and not contradicted:
             return _with_error(quadrature, changed)
         return sampled
 
-    def _apart(self, one: SurfaceSystem, other: SurfaceSystem) -> float:
-        """Largest distance of the reliability indices of two systems."""
-        first, second = (system.indices(self.surfaces, self.criteria) for system in (one, other))
-        return float(np.abs(first - second).max())
+    def _indices(self, system: SurfaceSystem) -> FloatArray:
+        """Reliability indices (C,) of a system."""
+        return system.indices(self.surfaces, self.criteria)
 
     def _confirmed(self, quadrature: SurfaceSystem) -> bool:
         """Whether rays give the answers of the quadrature, within their scatter.
@@ -243,10 +251,12 @@ class _Choice:
             fewer = tuple(
                 replace(rule, shared_nodes=nodes, weights=weights) for rule in found.rules
             )
-            error = math.hypot(error, self._apart(found, replace(found, rules=fewer)))
+            apart = _apart(self._indices(found), self._indices(replace(found, rules=fewer)))
+            error = math.hypot(error, apart)
         largest = math.hypot(error, float(best.errors.max()))
         coarse = tuple(
-            rule.parts(step)[0][0] if rule.lines.sampled else rule for rule in found.rules
+            _shortened(rule.parts(step)[0][0]) if rule.lines.sampled else rule
+            for rule in found.rules
         )
         return replace(_with_error(found, error), coarse=coarse), largest
 
@@ -270,3 +280,13 @@ def _size(rules: Sequence[SurfaceRule]) -> int:
 
 def _with_error(system: SurfaceSystem, error: float) -> SurfaceSystem:
     return replace(system, rules=tuple(replace(rule, error=error) for rule in system.rules))
+
+
+def _apart(one: FloatArray, other: FloatArray) -> float:
+    """Largest distance of reliability indices (C,)."""
+    return float(np.abs(one - other).max())
+
+
+def _shortened(rule: SurfaceRule) -> SurfaceRule:
+    """Return a rule with short tables, which tell changes as well."""
+    return replace(rule, lines=replace(rule.lines, short=True))
