@@ -223,6 +223,8 @@ def calls(folder: Path) -> dict[str, Call]:
     slopes = pd.DataFrame([slope | {"per_std": 1.0, "per_std_error": 0.1}])
     index = {"label": "mc", "input": "a", "order": "main", "index": 0.5}
     indices = pd.DataFrame([index | {"ci_low": 0.4, "ci_high": 0.6}])
+    weights = {"birnbaum": 0.5, "birnbaum_independent": 0.4}
+    weighed = pd.DataFrame([{"unit": "a", "threshold": 1.0, "missions": "1"} | weights])
     curve_options = {
         "curves": optional(choice("missions")),
         "check": optional(text("mc")).also("text"),
@@ -460,6 +462,10 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "analysis.importance_of_units": Call(
             analysis.importance_of_units,
+            {**of, "problem": thing(alone), "method": surface, **run},
+        ),
+        "analysis.joint_failures": Call(
+            analysis.joint_failures,
             {**of, "problem": thing(alone), "method": surface, **run},
         ),
         "analysis.independence": Call(
@@ -819,6 +825,14 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "plots.design": Call(plots.design, {"table": thing(designs)}),
         "plots.figure_settings": Call(plots.figure_settings, {}),
+        "plots.importance": Call(
+            plots.importance,
+            {
+                "table": thing(weighed),
+                "measure": choice("birnbaum"),
+                "ax": optional(thing(drawn_into)),
+            },
+        ),
         "plots.independence_panels": Call(plots.independence_panels, {"table": thing(separate)}),
         "plots.reliability_panels": Call(
             plots.reliability_panels,

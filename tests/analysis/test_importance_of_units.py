@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ from scipy.integrate import quad
 from scipy.special import ndtr
 
 from uqfold import Criterion, Parallel, Problem, Structure, Unit
-from uqfold.analysis import importance_of_units
+from uqfold.analysis import importance_of_units, joint_failures
 from uqfold.inputs import normal
 from uqfold.methods import PolynomialChaos
 from uqfold.typing import FloatArray
@@ -24,16 +25,18 @@ def pump(x: FloatArray) -> FloatArray:
     return 0.6 * x[:, 0] + 0.8 * x[:, 1]
 
 
+PROBLEM = Problem(
+    pump,
+    shared={"V": normal(0, 1)},
+    individual={"U": normal(0, 1)},
+    units=[Unit(offset=float(one)) for one in OFFSETS],
+    structure=Structure("u0 & u1 | u2"),
+)
+
+
 @pytest.fixture(scope="module")
 def table() -> pd.DataFrame:
-    problem = Problem(
-        pump,
-        shared={"V": normal(0, 1)},
-        individual={"U": normal(0, 1)},
-        units=[Unit(offset=float(one)) for one in OFFSETS],
-        structure=Structure("u0 & u1 | u2"),
-    )
-    return importance_of_units(problem, [Criterion(1.0), Criterion(1.6, missions=3)], METHOD, rng=1)
+    return importance_of_units(PROBLEM, [Criterion(1.0), Criterion(1.6, missions=3)], METHOD, rng=1)
 
 
 def system(p: FloatArray, missions: int) -> float:
@@ -41,17 +44,22 @@ def system(p: FloatArray, missions: int) -> float:
     return -math.expm1(missions * math.log1p(-min(failure, 1.0 - 1e-16)))
 
 
+def over_v(value: Callable[[float], float]) -> float:
+    density = math.sqrt(2.0 * math.pi)
+    return float(
+        quad(lambda v: value(v) * math.exp(-0.5 * v * v) / density, -9, 9, epsrel=1e-10)[0]
+    )
+
+
+def units_given(v: float, threshold: float) -> FloatArray:
+    return np.asarray(ndtr((0.6 * v + OFFSETS - threshold) / 0.8))
+
+
 def expected(threshold: float, missions: int, unit: int | None, fate: float, apart: bool) -> float:
     """E_v of the failure of the system with one unit's fate decided, or of E_v of its units."""
 
-    def over_v(value) -> float:  # type: ignore[no-untyped-def]
-        density = math.sqrt(2.0 * math.pi)
-        return float(
-            quad(lambda v: value(v) * math.exp(-0.5 * v * v) / density, -9, 9, epsrel=1e-10)[0]
-        )
-
     def units(v: float) -> FloatArray:
-        return np.asarray(ndtr((0.6 * v + OFFSETS - threshold) / 0.8))
+        return units_given(v, threshold)
 
     def decided(p: FloatArray) -> float:
         p = p.copy()
@@ -91,6 +99,34 @@ def test_the_table_says_what_the_method_says(table: pd.DataFrame) -> None:
     assert table.pf_unit.tolist()[:3] == pytest.approx(ndtr(OFFSETS - 1.0).tolist(), rel=1e-6)
     # redundancy is worth less than independence makes believe
     assert (table.pf > 1.5 * table.pf_independent).all()
+
+
+def test_how_much_of_pf_the_shared_inputs_carry(table: pd.DataFrame) -> None:
+    for (threshold, missions), rows in table.groupby(["threshold", "missions"]):
+        T, m = float(threshold), int(missions)
+        pf = expected(T, m, None, 0.0, apart=False)
+        share = 1.0 - expected(T, m, None, 0.0, apart=True) / pf
+        both = over_v(lambda v, T=T, m=m: system(units_given(v, T), m) ** 2)
+        correlation = (both - pf * pf) / (pf * (1.0 - pf))
+        assert rows.shared_share.tolist() == pytest.approx([share] * 3, rel=1e-5)
+        assert rows.shared_correlation.tolist() == pytest.approx([correlation] * 3, rel=1e-5)
+
+
+def test_pairs_fail_together_more_often_than_by_chance() -> None:
+    pairs = joint_failures(PROBLEM, [Criterion(1.0), Criterion(1.0, missions=3)], METHOD, rng=1)
+    assert list(zip(pairs.unit, pairs.other, strict=True)) == [
+        ("u0", "u1"), ("u0", "u2"), ("u1", "u2"),
+    ]  # fmt: skip
+    for row, (i, j) in zip(pairs.to_dict("records"), [(0, 1), (0, 2), (1, 2)], strict=True):
+        both = over_v(lambda v, i=i, j=j: float(units_given(v, 1.0)[[i, j]].prod()))
+        p, q = ndtr(OFFSETS[[i, j]] - 1.0)
+        correlation = (both - p * q) / math.sqrt(p * (1.0 - p) * q * (1.0 - q))
+        assert row["pf_both"] == pytest.approx(both, rel=1e-6)
+        assert row["pf_both_independent"] == pytest.approx(p * q, rel=1e-6)
+        assert row["correlation"] == pytest.approx(correlation, rel=1e-5)
+    single = Problem(pump, shared={"V": normal(0, 1)}, individual={"U": normal(0, 1)})
+    with pytest.raises(ValueError, match="a single unit"):
+        joint_failures(single, Criterion(1.0))
 
 
 def test_what_has_no_importance_is_refused() -> None:

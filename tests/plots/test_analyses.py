@@ -100,6 +100,21 @@ def test_correlated_against_independent_units() -> None:
     assert gap.lines[0].get_ydata().tolist() == [0.01, 0.01]
 
 
+def test_importance_with_and_without_the_common_cause() -> None:
+    table = pd.DataFrame(
+        {"unit": ["a", "b"] * 2, "threshold": [1.0, 1.0, 2.0, 2.0], "missions": "3",
+         "risk_reduction_worth": [2.0, math.inf, 1.5, 4.0],
+         "risk_reduction_worth_independent": [2.5, 1.1, 1.6, 9.0]}
+    )  # fmt: skip
+    axes = plots.importance(table, "risk_reduction_worth")
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == ["a", "b"]
+    assert legend(axes) == [
+        "$T$ = 1, $m$ = 3", "$T$ = 2, $m$ = 3", "causes shared", "as if independent",
+    ]  # fmt: skip
+    drawn = [line.get_xdata() for line in axes.lines]
+    np.testing.assert_array_equal(drawn, [[2.0, math.nan], [2.5, 1.1], [1.5, 4.0], [1.6, 9.0]])
+
+
 def summary() -> pd.DataFrame:
     rows = [
         {"label": label, "method": label, "problem": "toy", "decade": decade, "answers": 4,

@@ -10,6 +10,7 @@ from uqfold.analysis.designed_threshold import (
 )
 from uqfold.analysis.fitted_surface import NoSurfaceError as NoSurfaceError
 from uqfold.analysis.importance_of_units import importance_of_units as importance_of_units
+from uqfold.analysis.joint_failures import joint_failures as joint_failures
 from uqfold.analysis.independent_units import independence as independence
 from uqfold.analysis.paired import (
     PairedDifference as PairedDifference,

@@ -10,7 +10,13 @@ where unit i surely fails and surely works,
     risk reduction worth      E_v[Q(F)] / E_v[Q(F(0_i))]
 
 Shared inputs keep their distribution: to make a unit perfect, or to take it out, says nothing about
-the common cause. The same under independence puts E_v[f_i] in the place of f_i(v).
+the common cause. The same under independence puts E_v[f_i] in the place of f_i(v). How
+much of pf the shared inputs carry is told in two ways, by what independence leaves out of it and by
+the part of the variance of "the system fails" that v alone explains,
+
+    1 - pf_independent / pf    and    Var_v[Q(F)] / (pf (1 - pf)),
+
+of which the latter is also the correlation between the failures of two systems under the same v.
 
 References
 ----------
@@ -20,24 +26,20 @@ van der Borst M, Schoonakker H. An overview of PSA importance measures. Reliab. 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from uqfold.analysis.fitted_surface import SurfaceMethod, fit_surface
-from uqfold.checks import refused
+from uqfold.analysis.fitted_surface import SurfaceMethod
+from uqfold.analysis.units_given_shared import correlation_of_failures, units_given_shared
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import CriteriaLike, checked_criteria
-from uqfold.methods.kriging import Kriging
+from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criterion, Missions
-from uqfold.system.conditional_unit import UnitResponse
+from uqfold.problems.criterion import Missions
 from uqfold.system.missions import over_missions
-from uqfold.system.structure import Diagram, SystemUnits, diagram
-from uqfold.system.surface_layout import laid_out
-from uqfold.system.synchronized import failure_of_units
+from uqfold.system.structure import Diagram, diagram
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
@@ -76,7 +78,9 @@ def importance_of_units(
         unit alone in one mission; ``pf`` of the system, ``birnbaum``, ``fussell_vesely``,
         ``risk_achievement_worth`` and ``risk_reduction_worth`` (inf where the others cannot fail
         the system); the last five again with ``_independent``, as if nothing were shared by units
-        and missions; ``status`` and ``message`` of the surface's answer.
+        and missions; ``shared_share``, 1 - ``pf_independent`` / ``pf``, and ``shared_correlation``
+        of the failures of two systems with the same shared inputs; ``status`` and ``message`` of
+        the surface's answer.
 
     Raises
     ------
@@ -88,56 +92,35 @@ def importance_of_units(
     """
     import pandas as pd
 
-    asked = checked_criteria(problem, criteria)
-    with_tau = [one for one in asked if one.tau is not None]
-    if with_tau:
-        raise refused("criteria", with_tau[0], "under tau units matter together; give none")
-    if problem.inputs.n_individual == 0:
-        raise refused("problem", problem, "nothing is individual: its units fail together")
-    fitted = fit_surface(
-        problem, asked, Kriging() if method is None else method,
-        max_evals=max_evals, rng=rng, evaluator=evaluator,
-    )  # fmt: skip
-    # a second mission, so that the shared inputs are laid out for a single unit too
-    laid = [*asked, Criterion(asked[0].threshold, missions=2)]
-    mean, inputs, units = fitted.surface.mean, problem.inputs, SystemUnits.of(problem)
-    system = laid_out(mean, inputs.dimension, inputs.n_shared, units, laid)
-    responses = system.responses(mean, noise=fitted.noise).whole[0]
-    nodes = [UnitResponse([response], np.ones(1)) for response in responses]
-    weights = system.weights / system.weights.sum()
+    found = units_given_shared(
+        problem, criteria, method, max_evals=max_evals, rng=rng, evaluator=evaluator
+    )
     structure = diagram(problem.structure, problem.unit_names)
     rows = []
-    for criterion, row in zip(asked, fitted.result, strict=True):
-        fails, works = _of_units(nodes, units, criterion.threshold)
-        alone = fails @ weights
-        shared = _measures(structure, fails, works, weights, criterion.missions)
-        apart = _measures(
-            structure, alone[:, None], (works @ weights)[:, None], np.ones(1), criterion.missions
-        )
+    for given in found:
+        weights, missions = given.weights, given.criterion.missions
+        alone, at_work = (one @ weights for one in (given.fails, given.works))
+        shared = _measures(structure, given.fails, given.works, weights, missions)
+        whole = over_missions(*structure.probabilities(given.fails, given.works), missions)[0]
+        correlation = correlation_of_failures(whole, whole, weights)
+        apart = _measures(structure, alone[:, None], at_work[:, None], np.ones(1), missions)
+        pf = shared["pf"][0]
         for i, name in enumerate(problem.unit_names):
             rows.append(
                 {
-                    "threshold": criterion.threshold,
-                    "missions": str(criterion.missions),
+                    "threshold": given.criterion.threshold,
+                    "missions": str(missions),
                     "unit": name,
                     "pf_unit": alone[i],
                     **{key: values[i] for key, values in shared.items()},
                     **{f"{key}_independent": values[i] for key, values in apart.items()},
-                    "status": row.status,
-                    "message": row.message,
+                    "shared_share": 1.0 - apart["pf"][i] / pf if pf > 0.0 else math.nan,
+                    "shared_correlation": correlation,
+                    "status": given.answer.status,
+                    "message": given.answer.message,
                 }
             )
     return pd.DataFrame(rows)
-
-
-def _of_units(
-    nodes: Sequence[UnitResponse], units: SystemUnits, threshold: float
-) -> tuple[FloatArray, FloatArray]:
-    """How each unit fails and works at each shared node (n, K)."""
-    pairs = [failure_of_units(node, units, np.array([threshold])) for node in nodes]
-    index = np.zeros(units.count, dtype=int) if units.of_sorts is None else units.of_sorts
-    fails, works = (np.concatenate(one, axis=1)[index] for one in zip(*pairs, strict=True))
-    return fails, works
 
 
 def _measures(

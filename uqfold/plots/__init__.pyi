@@ -5,6 +5,7 @@ from uqfold.plots.error_figure import (
     benchmark_panels as benchmark_panels,
     error_against_evaluations as error_against_evaluations,
 )
+from uqfold.plots.importance_figure import importance as importance
 from uqfold.plots.points_figure import points as points
 from uqfold.plots.saving import save as save
 from uqfold.plots.analyses import (
