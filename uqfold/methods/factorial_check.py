@@ -9,77 +9,35 @@ responses near it miss the polynomial by. How far these answers lie apart is the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
-from uqfold.inputs import JointInputs
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import fallbacks_that_matter
-from uqfold.methods.factorial_design import Fit
-from uqfold.methods.factorial_runs import (
-    MORE,
-    MOST_POINTS,
-    TestedSurface,
-    product_of_weights,
-    rules_of,
-    tested_surface,
-)
+from uqfold.methods.factorial_rules import OuterRule, SurfaceMoments
+from uqfold.methods.factorial_runs import MORE, FactorialRuns, TestedSurface, tested_surface
 from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate
 from uqfold.moments.conditional import ConditionalDistribution, integrable
-from uqfold.moments.cubic_normal import cubic_normal
-from uqfold.moments.cumulants import moments_from_rule
-from uqfold.moments.pearson import PearsonDistribution
-from uqfold.moments.saddlepoint import SaddlepointDistribution
+from uqfold.moments.families import FAMILIES, Family
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray
 
-OtherFit: TypeAlias = Callable[[float, float, float, float], ConditionalDistribution | None]
-"""Builds a distribution from the four moments, or has none with these."""
-
-OTHERS: dict[str, OtherFit] = {
-    "the saddlepoint approximation": SaddlepointDistribution,
-    "the Pearson distribution": PearsonDistribution.from_moments,
-    "the cubic normal distribution": cubic_normal,
-}
+OTHERS = ("saddlepoint", "pearson", "cubic-normal")
+"""Families that are compared with one another."""
 _CAUTION = 1.5
 """Stated error over what the answers differ by; see ``docs/ffni.md`` for what was measured."""
 _LEAST = 5e-3
 """Smallest stated error, as a share of pf or of its complement."""
-_FINE = 13
-"""Nodes over an individual input that integrate fourth powers of polynomials of degree 6."""
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
 _BLURRED = 0.05
 """Share of tau by which responses may miss the polynomial."""
-
-
-@dataclass(frozen=True, eq=False)
-class OuterRule:
-    """Moments of the corrected polynomial at the nodes of a rule over the shared inputs.
-
-    Attributes
-    ----------
-    weights
-        Weights of the K nodes.
-    moments
-        Mean, standard deviation, skewness and kurtosis at each of them (K, 4).
-    """
-
-    weights: FloatArray
-    moments: FloatArray
-
-    def fitted(self, fit: OtherFit) -> list[ConditionalDistribution] | None:
-        """Return a distribution at every node, or None if one node has none."""
-        found = [fit(*row) for row in self.moments.tolist()]
-        known = [one for one in found if one is not None]
-        return known if len(known) == len(found) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,9 +69,9 @@ class FactorialCheck:
     units
         Units and their structure.
     own
-        Builds the distributions of the method.
+        Distributions of the method.
     others
-        Builds others.
+        Others.
     outer
         The rule of the design over the shared inputs, one with two nodes more for each of them,
         and the finest.
@@ -122,8 +80,8 @@ class FactorialCheck:
     """
 
     units: SystemUnits
-    own: Fit
-    others: Mapping[str, OtherFit]
+    own: Family
+    others: Sequence[Family]
     outer: tuple[OuterRule, OuterRule, OuterRule]
     tested: TestedSurface
 
@@ -137,7 +95,7 @@ class FactorialCheck:
         """
         works = np.array([_reliability(one) < one.pf for one in estimates])
         answers = np.array([min(one.pf, _reliability(one)) for one in estimates])
-        first, more, last = (rule.fitted(self.own) for rule in self.outer)
+        first, more, last = (rule.fitted(self.own.fit) for rule in self.outer)
         misses = self.tested.misses_at(criteria)
         lower, higher = (_moved(criteria, sign * misses) for sign in (-1.0, 1.0))
         # thresholds of one tau share their integration
@@ -159,10 +117,11 @@ class FactorialCheck:
         ]
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)
-        for name, fit in self.others.items():
-            other = self._answers(self.outer[1], self.outer[1].fitted(fit), criteria, works)
+        for family in self.others:
+            distributions = self.outer[1].fitted(family.fit)
+            other = self._answers(self.outer[1], distributions, criteria, works)
             families |= ~np.isnan(other)
-            causes.append(name)
+            causes.append(family.title)
             amounts.append(np.abs(other - own))
         return OtherAnswers(causes, np.array(amounts), families)
 
@@ -198,12 +157,7 @@ def _moved(criteria: Sequence[Criterion], by: FloatArray) -> list[Criterion]:
 
 
 def with_verdicts(
-    task: Task,
-    counts: Sequence[int],
-    y: FloatArray,
-    own: Fit,
-    estimates: Sequence[Estimate],
-    target: float,
+    task: Task, runs: FactorialRuns, own: Family, estimates: Sequence[Estimate], target: float
 ) -> list[Estimate]:
     """Check answers: each becomes ``converged`` or ``doubtful``.
 
@@ -213,22 +167,18 @@ def with_verdicts(
     ----------
     task
         Problem, criteria and session.
-    counts
-        Nodes of every input in the design.
-    y
-        Responses of the design.
+    runs
+        The design and its finite responses.
     own
-        Builds the distributions of the method.
+        Distributions of the method.
     estimates
         Its answers.
     target
         Largest stated error, relative to pf or to the reliability, whichever is smaller, of one
         that is converged.
     """
-    if not np.isfinite(y).all():
-        return _doubted(estimates, "responses that are not finite cannot be checked")
     try:
-        check = _check(task, counts, y, own)
+        check = _check(task, runs, own)
         rows = [row for row, one in enumerate(estimates) if one.status not in NO_ANSWER]
         asked = [task.criteria[row] for row in rows]
         differences = check.differences(asked, [estimates[row] for row in rows])
@@ -244,41 +194,32 @@ def with_verdicts(
     return judged
 
 
-def _check(task: Task, counts: Sequence[int], y: FloatArray, own: Fit) -> FactorialCheck:
+def design_with_verdicts(
+    task: Task,
+    counts: Sequence[int],
+    y: FloatArray,
+    own: Family,
+    estimates: Sequence[Estimate],
+    target: float,
+) -> list[Estimate]:
+    """Check answers from the responses `y` of one product of `counts` nodes; see with_verdicts."""
+    if not np.isfinite(y).all():
+        return _doubted(estimates, "responses that are not finite cannot be checked")
+    runs = FactorialRuns.of_product(task, counts, y)
+    return with_verdicts(task, runs, own, estimates, target)
+
+
+def _check(task: Task, runs: FactorialRuns, own: Family) -> FactorialCheck:
     inputs = task.problem.inputs
-    tested = tested_surface(task, counts, y)
-    shared = counts[: inputs.n_shared]
-    outer = [[n + more for n in shared] for more in (0, MORE, _FINER)]
+    tested = tested_surface(task, runs)
+    outer = [[n + more for n in runs.outer] for more in (0, MORE, _FINER)]
     while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
         outer[2] = [n - 1 for n in outer[2]]
-    inner = _inner_counts(inputs, counts, math.prod(outer[2]))
-    first, more, finest = (_outer_rule(inputs, tested, [*some, *inner]) for some in outer)
-    others = {name: fit for name, fit in OTHERS.items() if fit != own}
+    least = runs.counts[inputs.n_shared :]
+    surface = SurfaceMoments(inputs, tested.surface, least, runs.additive, own.moments == 0)
+    first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
+    others = [FAMILIES[name] for name in OTHERS if FAMILIES[name] != own]
     return FactorialCheck(SystemUnits.of(task.problem), own, others, (first, more, finest), tested)
-
-
-def _inner_counts(inputs: JointInputs, counts: Sequence[int], outer: int) -> list[int]:
-    """Return nodes over the individual inputs: as many as memory and marginals allow."""
-    designed = counts[inputs.n_shared :]
-    for n in range(_FINE, min(designed, default=_FINE), -1):
-        wanted = [max(n, count) for count in designed]
-        if outer * math.prod(wanted) <= MOST_POINTS:
-            try:
-                rules_of(inputs, [*counts[: inputs.n_shared], *wanted])
-            except ValueError:
-                continue
-            return wanted
-    return list(designed)
-
-
-def _outer_rule(inputs: JointInputs, tested: TestedSurface, counts: Sequence[int]) -> OuterRule:
-    rules = rules_of(inputs, counts)
-    outer, inner = rules[: inputs.n_shared], rules[inputs.n_shared :]
-    weights = product_of_weights(outer)
-    values = tested.surface.on_grid([places for places, _ in rules]).reshape(weights.size, -1)
-    found = moments_from_rule(values, product_of_weights(inner))
-    moments = np.stack([found.mean, found.std, found.skewness, found.kurtosis], axis=1)
-    return OuterRule(weights, moments)
 
 
 def _judged(

@@ -8,7 +8,7 @@ over the individual nodes give the first four moments of the conditional respons
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -21,14 +21,13 @@ from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
 from uqfold.methods.base import Task
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import Moments, moments_from_rule
+from uqfold.moments.families import Fit
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray
 
 Nodes: TypeAlias = int | tuple[int, ...]
-Fit: TypeAlias = Callable[[float, float, float, float], ConditionalDistribution]
-"""Builds a distribution from mean, standard deviation, skewness and kurtosis."""
 MAX_NUMBERS = 100_000_000
 """Coordinates of all nodes of a design together: 0.8 GB, as many again while they are laid out."""
 
@@ -179,8 +178,7 @@ def conditional_responses(
     y
         Responses (K * Q,); +-inf become atoms, NaN (failed runs) missing mass.
     fit
-        Builds the distribution of the finite responses from mean, standard deviation, skewness
-        and kurtosis.
+        Builds the distribution of the finite responses from their moments.
 
     Returns
     -------
@@ -196,7 +194,7 @@ def conditional_responses(
     distributions: list[ConditionalDistribution | None] = []
     for k, some in enumerate(np.asarray(finite.any(axis=1))):
         check_time()
-        distributions.append(fit(*moments.row(k)) if some else None)
+        distributions.append(fit(moments.of(k)) if some else None)
     details = FFNIDetails(
         shared_nodes=design.shared_nodes,
         weights=design.shared_weights,

@@ -1,34 +1,125 @@
-"""Runs beside a full-factorial design that test the polynomial through its responses."""
+"""Runs of a design of Gauss nodes, and runs beside it that test the polynomial through them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
-from uqfold.inputs import JointInputs, normal
-from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
+from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
+from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
 from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.criterion import Criterion
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray, IntArray
 
-GaussRule: TypeAlias = tuple[FloatArray, FloatArray]
-_Ask: TypeAlias = Callable[[FloatArray], FloatArray]
-
 MORE = 2
 """Nodes that a line has more than the design."""
-MOST_POINTS = 2_000_000
-"""Values of the polynomial held at once."""
 _LEVELS, _PLACES = 4, 2
 """Thresholds near which the polynomial is tested, and places for each."""
 _NEAR = 0.25
 """How near, in standard deviations of the response."""
+
+
+@dataclass(frozen=True, eq=False)
+class KnownRuns:
+    """Responses at places in the coordinates of the rules; no place is run twice.
+
+    Attributes
+    ----------
+    task
+        Problem and session.
+    """
+
+    task: Task
+    _known: dict[bytes, float] = field(default_factory=dict)
+
+    def missing(self, points: FloatArray) -> int:
+        """Count the places (n, d) that have not been run."""
+        return len({key for key in _keys(points) if key not in self._known})
+
+    def at(self, points: FloatArray) -> FloatArray:
+        """Return the responses (n,) at places (n, d), NaN and +-inf included.
+
+        Raises
+        ------
+        BudgetExceededError, TimeLimitError
+            If there is no room for the runs.
+        """
+        keys = _keys(points)
+        new: dict[bytes, int] = {}
+        for row, key in enumerate(keys):
+            if key not in self._known:
+                new.setdefault(key, row)
+        if new:
+            inputs, places = self.task.problem.inputs, points[list(new.values())]
+            x = places if inputs.independent else inputs.from_standard_normal(places)
+            found = self.task.session.evaluate(x)
+            self._known.update(zip(new, found.tolist(), strict=True))
+        return np.array([self._known[key] for key in keys])
+
+    def add(self, points: FloatArray, y: FloatArray) -> None:
+        """Take over responses (n,) that were run elsewhere."""
+        self._known.update(zip(_keys(points), y.tolist(), strict=True))
+
+    def finite(self, points: FloatArray) -> FloatArray:
+        """Return the responses as `at` does.
+
+        Raises
+        ------
+        ValueError
+            If one is not finite.
+        """
+        found = self.at(points)
+        lost = int((~np.isfinite(found)).sum())
+        if lost:
+            raise ValueError(f"{lost} of {found.size} responses of the check are not finite")
+        return found
+
+
+def _keys(points: FloatArray) -> list[bytes]:
+    # -0.0 is 0.0
+    return [point.tobytes() for point in np.asarray(points, dtype=float) + 0.0]
+
+
+@dataclass(frozen=True, eq=False)
+class FactorialRuns:
+    """The runs of a design, and the polynomial through them.
+
+    Attributes
+    ----------
+    known
+        The runs.
+    surface
+        The polynomial.
+    counts
+        Nodes of every input in the design, shared inputs first.
+    outer
+        Nodes over each shared input from which the answer was made.
+    additive
+        Whether the polynomial has no interactions of individual inputs.
+    """
+
+    known: KnownRuns
+    surface: FactorialSurface
+    counts: tuple[int, ...]
+    outer: tuple[int, ...]
+    additive: bool = False
+
+    @classmethod
+    def of_product(cls, task: Task, counts: Sequence[int], y: FloatArray) -> FactorialRuns:
+        """Take over the finite responses of one product of nodes."""
+        rules = rules_of(task.problem.inputs, counts)
+        known = KnownRuns(task)
+        known.add(tensor_grid(rules)[0], y)
+        nodes = tuple(places for places, _ in rules)
+        surface = FactorialSurface.of_product(nodes, y.reshape(tuple(counts)))
+        return cls(known, surface, tuple(counts), tuple(counts[: task.problem.inputs.n_shared]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,41 +153,34 @@ class TestedSurface:
         return np.asarray(np.maximum(near, self.miss))
 
 
-def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
-    """Return the Gauss rule of every input, in the coordinates in which the design is a product.
-
-    These are the inputs themselves if they are independent, or else standard-normal variables.
+def line_places(
+    task: Task, surface: FactorialSurface, counts: Sequence[int], axes: Sequence[int]
+) -> list[tuple[int, FloatArray]]:
+    """Return two nodes more than a design has along each of some inputs, the middle left out.
 
     Raises
     ------
     ValueError
-        If a marginal has no such rule.
+        If an input has no such rule.
     """
-    if inputs.independent:
-        return [inputs.gauss_rule(i, n) for i, n in enumerate(counts)]
-    standard = normal(0.0, 1.0)
-    return [gauss_rule(standard, n) for n in counts]
+    finer = rules_of(task.problem.inputs, [min(n + MORE, MAX_GAUSS_NODES) for n in counts])
+    lines = []
+    for axis in axes:
+        places = finer[axis][0]
+        elsewhere = np.abs(places - surface.middle[axis]) > 1e-9 * np.ptp(places)
+        lines.append((axis, places[elsewhere]))
+    return lines
 
 
-def product_of_weights(rules: Sequence[GaussRule]) -> FloatArray:
-    """Return the weights of a product of rules, the last one running fastest."""
-    product = np.ones(1)
-    for _, weights in rules:
-        product = np.outer(product, weights).ravel()
-    return product
-
-
-def tested_surface(task: Task, counts: Sequence[int], y: FloatArray) -> TestedSurface:
+def tested_surface(task: Task, runs: FactorialRuns) -> TestedSurface:
     """Run the model on lines through the middle of a design, and near the thresholds.
 
     Parameters
     ----------
     task
         Problem, criteria and session.
-    counts
-        Nodes of every input in the design.
-    y
-        Finite responses of the design.
+    runs
+        The design and its finite responses.
 
     Raises
     ------
@@ -107,45 +191,28 @@ def tested_surface(task: Task, counts: Sequence[int], y: FloatArray) -> TestedSu
     TimeLimitError
         If the time is over.
     """
-    inputs = task.problem.inputs
-    finer = rules_of(inputs, [min(n + MORE, MAX_GAUSS_NODES) for n in counts])
-    between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in counts])
-    nodes = tuple(places for places, _ in rules_of(inputs, counts))
-    plain = FactorialSurface(nodes, y.reshape(tuple(counts)))
-    lines = [_elsewhere(places, plain.middle[i]) for i, (places, _) in enumerate(finer)]
+    inputs, known, plain = task.problem.inputs, runs.known, runs.surface
+    lines = line_places(task, plain, runs.counts, range(inputs.dimension))
+    between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in runs.counts])
     asked = SystemUnits.of(task.problem).thresholds([one.threshold for one in task.criteria])
     levels = _levels(asked)
-    needed = sum(line.size for line in lines) + _PLACES * levels.size + 2
+    needed = known.missing(plain.on_lines(lines)) + _PLACES * levels.size + 2
     if needed > task.session.remaining:
         raise BudgetExceededError(
             f"max_evals = {task.session.max_evals} has no room for the {needed} runs of the check"
         )
-    task.session.expect(y.size + needed)
-
-    def run(points: FloatArray) -> FloatArray:
-        x = points if inputs.independent else inputs.from_standard_normal(points)
-        found = task.session.evaluate(x)
-        lost = int((~np.isfinite(found)).sum())
-        if lost:
-            raise ValueError(f"{lost} of {found.size} responses of the check are not finite")
-        return found
-
-    surface = _with_lines(plain, lines, run)
+    task.session.expect(task.session.n_evals + needed)
+    surface = plain.with_lines(lines, known.finite)
     places, of_level = _places_near(surface, between, levels)
     likely = np.outer([-1.0, 1.0], np.ones(inputs.dimension))
     if inputs.independent:
         likely = inputs.from_standard_normal(likely)
     every = np.concatenate([likely, places])
-    apart = np.abs(run(every) - surface.at(every))
+    apart = np.abs(known.finite(every) - surface.at(every))
     misses = np.zeros(levels.size)
     np.maximum.at(misses, of_level, apart[2:])
     tested = np.unique(of_level)
     return TestedSurface(surface, levels[tested], misses[tested], float(apart[:2].max()))
-
-
-def _elsewhere(places: FloatArray, middle: float) -> FloatArray:
-    """Return the places that are not the middle node itself, which has been run."""
-    return places[np.abs(places - middle) > 1e-9 * np.ptp(places)]
 
 
 def _levels(thresholds: FloatArray) -> FloatArray:
@@ -154,23 +221,6 @@ def _levels(thresholds: FloatArray) -> FloatArray:
     if every.size == 0:
         return every
     return np.unique(every[np.linspace(0, every.size - 1, _LEVELS).round().astype(int)])
-
-
-def _with_lines(
-    plain: FactorialSurface, lines: Sequence[FloatArray], run: _Ask
-) -> FactorialSurface:
-    """Correct the polynomial along each input by responses on a line through the middle."""
-    points = np.tile(plain.middle, (sum(line.size for line in lines), 1))
-    ends = np.cumsum([0, *(line.size for line in lines)])
-    for axis, line in enumerate(lines):
-        points[ends[axis] : ends[axis + 1], axis] = line
-    differences = run(points) - plain.at(points)
-    corrections = []
-    for axis, line in enumerate(lines):
-        added = differences[ends[axis] : ends[axis + 1]]
-        # the middle has been run: nothing is to be added there
-        corrections.append((np.append(line, plain.middle[axis]), np.append(added, 0.0)))
-    return FactorialSurface(plain.nodes, plain.table, tuple(corrections))
 
 
 def _places_near(

@@ -1,23 +1,24 @@
-"""The polynomial through the responses of a full-factorial design, and runs that correct it.
+"""The polynomial through the responses of a design of Gauss nodes, and runs that correct it.
 
-Through the responses at the m_1 x ... x m_d nodes t of the design goes one polynomial of degree
-m_i - 1 in each input,
+Through the responses at a product of m_1 x ... x m_d nodes t goes one polynomial of degree m_i - 1
+in each input,
 
     p(t) = sum_{j_1 ... j_d} y_{j_1 ... j_d} l_{j_1}(t_1) ... l_{j_d}(t_d)
 
-with Lagrange's polynomials l. Further responses at m_i + 2 nodes on the line through the middle
-node c along each input give a correction of each input alone,
+with Lagrange's polynomials l. A design may be several such products, each with a share: the sum of
+shares times polynomials is then the surface. Further responses at n_i nodes on the line through the
+middle c of the design along input i give a correction of this input alone,
 
     q(t) = p(t) + sum_i [p_i(t_i) - p(c_1, ..., t_i, ..., c_d)],
 
-where p_i is the polynomial of degree m_i + 1 on that line: what m_i + 2 nodes would see of this
-input beside the middle of the others, at m_i + 2 runs.
+where p_i is the polynomial on that line: what n_i nodes would see of this input beside the middle
+of the others, at n_i runs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,43 +26,100 @@ from uqfold.typing import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class FactorialSurface:
-    """Responses on a product of nodes, and corrections along single inputs.
+class Patch:
+    """Responses on one product of nodes.
 
     Attributes
     ----------
+    share
+        Factor of its polynomial in the surface.
     nodes
-        Nodes (m_i,) of every input.
+        Nodes (m_i,) of every input; one node alone leaves the input out.
     table
         Responses (m_1, ..., m_d).
-    lines
-        For every input nodes (n_i,) on its line and what to add there (n_i,); may be empty.
     """
 
+    share: float
     nodes: tuple[FloatArray, ...]
     table: FloatArray
-    lines: tuple[tuple[FloatArray, FloatArray], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class FactorialSurface:
+    """Responses on products of nodes, and corrections along single inputs.
+
+    Attributes
+    ----------
+    patches
+        The products.
+    middle
+        A node (d,) that all of them have.
+    lines
+        Corrections: an input's position, nodes (n,) on its line, and what to add there (n,).
+    """
+
+    patches: tuple[Patch, ...]
+    middle: FloatArray
+    lines: tuple[tuple[int, FloatArray, FloatArray], ...] = ()
+
+    @classmethod
+    def of_product(cls, nodes: tuple[FloatArray, ...], table: FloatArray) -> FactorialSurface:
+        """Build it from the responses on one product of nodes."""
+        middle = np.array([places[places.size // 2] for places in nodes])
+        return cls((Patch(1.0, nodes, table),), middle)
 
     def on_grid(self, grid: Sequence[FloatArray]) -> FloatArray:
         """Return its values (g_1, ..., g_d) on the product of nodes (g_i,) of every input."""
-        values = self.table
-        for axis, (nodes, wanted) in enumerate(zip(self.nodes, grid, strict=True)):
-            moved = np.tensordot(_lagrange(nodes, wanted), values, axes=(1, axis))
-            values = np.moveaxis(moved, 0, axis)
-        for axis, (nodes, added) in enumerate(self.lines):
+        total = np.zeros([places.size for places in grid])
+        for patch in self.patches:
+            values = patch.table
+            for axis, (nodes, wanted) in enumerate(zip(patch.nodes, grid, strict=True)):
+                if nodes.size > 1:
+                    moved = np.tensordot(_lagrange(nodes, wanted), values, axes=(1, axis))
+                    values = np.moveaxis(moved, 0, axis)
+            total += patch.share * values
+        for axis, nodes, added in self.lines:
             shape = [1] * len(grid)
             shape[axis] = -1
-            values = values + (_lagrange(nodes, grid[axis]) @ added).reshape(shape)
-        return values
+            total += (_lagrange(nodes, grid[axis]) @ added).reshape(shape)
+        return total
 
     def at(self, points: FloatArray) -> FloatArray:
         """Return its values (n,) at a few points (n, d)."""
         return np.array([self.on_grid([*point[:, None]]).item() for point in points])
 
-    @property
-    def middle(self) -> FloatArray:
-        """The middle node (d,)."""
-        return np.array([nodes[nodes.size // 2] for nodes in self.nodes])
+    def on_lines(self, lines: Sequence[tuple[int, FloatArray]]) -> FloatArray:
+        """Return points (n, d) on lines through the middle: inputs' positions and places there."""
+        points = []
+        for axis, places in lines:
+            here = np.tile(self.middle, (places.size, 1))
+            here[:, axis] = places
+            points.append(here)
+        return np.concatenate([np.empty((0, self.middle.size)), *points])
+
+    def with_lines(
+        self, lines: Sequence[tuple[int, FloatArray]], run: Callable[[FloatArray], FloatArray]
+    ) -> FactorialSurface:
+        """Correct it along single inputs.
+
+        Parameters
+        ----------
+        lines
+            Inputs' positions and places (n,) beside the middle.
+        run
+            Takes points (n, d), gives the responses (n,) there.
+        """
+        points = self.on_lines(lines)
+        differences = run(points) - self.at(points)
+        corrections = list(self.lines)
+        start = 0
+        for axis, places in lines:
+            added = differences[start : start + places.size]
+            start += places.size
+            # the middle has been run: nothing is to be added there
+            nodes = np.append(places, self.middle[axis])
+            corrections.append((axis, nodes, np.append(added, 0.0)))
+        return replace(self, lines=tuple(corrections))
 
 
 def _lagrange(nodes: FloatArray, wanted: FloatArray) -> FloatArray:

@@ -12,10 +12,9 @@ import numpy as np
 from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
-from uqfold.methods.factorial_check import with_verdicts
+from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
     FFNIDetails,
-    Fit,
     Nodes,
     affordable_design,
     checked_nodes,
@@ -26,8 +25,7 @@ from uqfold.methods.pearson_sampling import sampled_failure
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import PEARSON
-from uqfold.moments.conditional import ConditionalDistribution
-from uqfold.moments.normal import NormalDistribution
+from uqfold.moments.families import FAMILIES
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
@@ -107,11 +105,10 @@ class FFNIPearson(ReliabilityMethod):
         return self.rows is not None
 
     def _solve(self, task: Task) -> Solution:
+        family = FAMILIES[self.family]
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
         y = task.session.evaluate(design.x)
-        responses, details = task.summed_up(
-            lambda _: conditional_responses(design, y, self._distribution)
-        )
+        responses, details = task.summed_up(lambda _: conditional_responses(design, y, family.fit))
         doubts = []
         if self.family == "pearson":
             nodes = self.nodes_shared, self.nodes_individual
@@ -130,23 +127,8 @@ class FFNIPearson(ReliabilityMethod):
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         if self.check:
             counts = counts_per_input(task.problem.inputs, self.nodes_shared, self.nodes_individual)
-            estimates = with_verdicts(
-                task, counts, y, self._distribution, estimates, self.target_cov
-            )
+            estimates = design_with_verdicts(task, counts, y, family, estimates, self.target_cov)
         return Solution(estimates, details)
-
-    @property
-    def _distribution(self) -> Fit:
-        if self.family == "normal":
-            return normal_distribution
-        return PearsonDistribution.from_moments
-
-
-def normal_distribution(
-    mean: float, std: float, skewness: float, kurtosis: float
-) -> ConditionalDistribution:
-    """Return the normal distribution with this mean and standard deviation, or a step."""
-    return NormalDistribution.from_moments(mean, std)
 
 
 def _doubts(

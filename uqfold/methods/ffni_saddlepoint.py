@@ -13,7 +13,7 @@ from uqfold.methods.factorial_answers import (
     fallbacks_that_matter,
     system_estimates,
 )
-from uqfold.methods.factorial_check import with_verdicts
+from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
     Nodes,
     affordable_design,
@@ -24,7 +24,7 @@ from uqfold.methods.factorial_design import (
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import SADDLEPOINT
-from uqfold.moments.saddlepoint import SaddlepointDistribution
+from uqfold.moments.families import FAMILIES
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
@@ -97,7 +97,7 @@ class FFNISaddlepoint(ReliabilityMethod):
         design = affordable_design(task, self.nodes_shared, self.nodes_individual)
         y = task.session.evaluate(design.x)
         responses, details = task.summed_up(
-            lambda _: conditional_responses(design, y, SaddlepointDistribution)
+            lambda _: conditional_responses(design, y, FAMILIES["saddlepoint"].fit)
         )
 
         units = SystemUnits.of(task.problem)
@@ -121,7 +121,7 @@ class FFNISaddlepoint(ReliabilityMethod):
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         if self.check:
             counts = counts_per_input(task.problem.inputs, *nodes)
-            estimates = with_verdicts(
-                task, counts, y, SaddlepointDistribution, estimates, self.target_cov
+            estimates = design_with_verdicts(
+                task, counts, y, FAMILIES["saddlepoint"], estimates, self.target_cov
             )
         return Solution(estimates, details)

@@ -9,9 +9,16 @@ In standard units x = a + b u + c u^2 + d u^3 with u normal. Mean 0 asks a = -c;
 (Fleishman 1978, with l4 the excess kurtosis) are solved by Newton's method from the normal, b = 1,
 in steps from its moments to the given ones. Where the cubic rises, P(Y <= y) = Phi(u(y)).
 
+The expansion of Cornish and Fisher to four moments is such a cubic too, without an equation to
+solve, whose moments are the given ones to first order in l4 and second in l3:
+
+    b = 1 - l4 / 8 + 5 l3^2 / 36,  c = l3 / 6,  d = l4 / 24 - l3^2 / 18.
+
 References
 ----------
 Fleishman A.I. A method for simulating non-normal distributions. Psychometrika 43 (1978) 521-532.
+Cornish E.A., Fisher R.A. Moments and cumulants in the specification of distributions. Revue de
+l'Institut International de Statistique 5 (1938) 307-320.
 Zhao Y.G., Lu Z.H. Fourth-moment standardization for structural reliability assessment. Journal of
 Structural Engineering 133 (2007) 916-924.
 """
@@ -48,7 +55,27 @@ def cubic_normal(
     coefficients = _coefficients(skewness, kurtosis - 3.0)
     if coefficients is None:
         return None
-    b, c, d = coefficients
+    return _of_cubic(mean, std, *coefficients.tolist())
+
+
+def cornish_fisher(
+    mean: float, std: float, skewness: float, kurtosis: float
+) -> TabulatedDistribution | AtomicDistribution | None:
+    """Return the distribution that the expansion of Cornish and Fisher has to these moments.
+
+    None where it does not rise. Parameters are those of `cubic_normal`.
+    """
+    if std == 0.0:
+        return AtomicDistribution((mean,))
+    excess = kurtosis - 3.0
+    b = 1.0 - excess / 8.0 + 5.0 * skewness**2 / 36.0
+    return _of_cubic(mean, std, b, skewness / 6.0, excess / 24.0 - skewness**2 / 18.0)
+
+
+def _of_cubic(
+    mean: float, std: float, b: float, c: float, d: float
+) -> TabulatedDistribution | None:
+    """Return the distribution of the cubic, or None where it turns within five normal scores."""
     slope = b + 2.0 * c * _SCORES + 3.0 * d * _SCORES**2
     # beyond a turn the table ends, and is continued as a straight line
     falling = np.abs(_SCORES[slope <= 1e-3])

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uqfold.moments.generating import QuadraticForm
 from uqfold.typing import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
 class Moments:
-    """First four moments of K responses, one entry per row.
+    """First six moments of K responses, one entry per row.
 
     Attributes
     ----------
@@ -21,12 +22,16 @@ class Moments:
     skewness, kurtosis
         Third and fourth standardised central moments (kurtosis is 3 for a normal, not 0);
         arrays (K,). A row that does not scatter (std = 0) has skewness 0 and kurtosis 3.
+    fifth, sixth
+        The next two, 0 and 15 for a normal; arrays (K,).
     """
 
     mean: FloatArray
     std: FloatArray
     skewness: FloatArray
     kurtosis: FloatArray
+    fifth: FloatArray
+    sixth: FloatArray
 
     def row(self, k: int) -> tuple[float, float, float, float]:
         """Mean, std, skewness and kurtosis of row k as plain floats."""
@@ -37,8 +42,52 @@ class Moments:
             float(self.kurtosis[k]),
         )
 
+    def of(self, k: int) -> ResponseMoments:
+        """All moments of row k."""
+        return ResponseMoments(*self.row(k), float(self.fifth[k]), float(self.sixth[k]))
+
     def __len__(self) -> int:
         return len(self.mean)
+
+
+@dataclass(frozen=True)
+class ResponseMoments:
+    """What a conditional distribution may be built from.
+
+    Attributes
+    ----------
+    mean, std
+        In the unit of the response; std = 0 where it does not scatter.
+    skewness, kurtosis, fifth, sixth
+        Standardised central moments: 0, 3, 0 and 15 for a normal.
+    quadratic
+        The cumulant-generating function of the response as far as it is of degree two in
+        standard normal inputs; None where that is not known, or says too little.
+    """
+
+    mean: float
+    std: float
+    skewness: float
+    kurtosis: float
+    fifth: float
+    sixth: float
+    quadratic: QuadraticForm | None = None
+
+    @property
+    def four(self) -> tuple[float, float, float, float]:
+        """Mean, std, skewness and kurtosis."""
+        return self.mean, self.std, self.skewness, self.kurtosis
+
+    @property
+    def higher_cumulants(self) -> tuple[float, float, float, float]:
+        """Standardised cumulants of order three to six."""
+        third, fourth = self.skewness, self.kurtosis
+        return (
+            third,
+            fourth - 3.0,
+            self.fifth - 10.0 * third,
+            self.sixth - 15.0 * fourth - 10.0 * third**2 + 30.0,
+        )
 
 
 def moments_from_rule(y: ArrayLike, weights: ArrayLike, where: BoolArray | None = None) -> Moments:
@@ -87,9 +136,12 @@ def moments_from_rule(y: ArrayLike, weights: ArrayLike, where: BoolArray | None 
         unit = np.ldexp(deviation, -power)
         std = np.sqrt((w * unit**2).sum(axis=1))
         scaled = unit / np.where(std > 0, std, 1.0)[:, None]
-        skewness = np.where(std > 0, (w * scaled**3).sum(axis=1), 0.0 * std)
-        kurtosis = np.where(std > 0, (w * scaled**4).sum(axis=1), 3.0 + 0.0 * std)
-    return Moments((origin + shift)[:, 0], np.ldexp(std, power[:, 0]), skewness, kurtosis)
+        skewness, kurtosis, fifth, sixth = (
+            np.where(std > 0, (w * scaled**order).sum(axis=1), of_normal + 0.0 * std)
+            for order, of_normal in ((3, 0.0), (4, 3.0), (5, 0.0), (6, 15.0))
+        )
+    mean, std = (origin + shift)[:, 0], np.ldexp(std, power[:, 0])
+    return Moments(mean, std, skewness, kurtosis, fifth, sixth)
 
 
 def cumulants(moments: Moments) -> FloatArray:

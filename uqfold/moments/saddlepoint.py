@@ -1,19 +1,19 @@
-"""Saddlepoint approximation of a distribution from four cumulants (Eqs. 32-36).
+"""Saddlepoint approximation of a distribution (Eqs. 32-36), from four cumulants or another K.
 
-In standard units x = (y - kappa_1) / sigma the quartic CGF has the derivatives
+In standard units x = (y - kappa_1) / sigma the quartic cumulant-generating function has
 
     K'(s)  = s + l3 s^2 / 2 + l4 s^3 / 6,      K''(s) = 1 + l3 s + l4 s^2 / 2
 
 with skewness l3 and excess kurtosis l4. On the branch through s = 0, where K'' > 0, Eq. (36) is
 
-    w = s sqrt(A),  A = 1 + 2 l3 s / 3 + l4 s^2 / 4,      v = s sqrt(B),  B = K''(s)
+    w = s sqrt(A),      v = s sqrt(B),      B = K''(s)
 
 because w^2 / 2 = s K' - K = int_0^s u K''(u) du > 0: w is real there. Then
 
-    1/w - 1/v = (l3 / 3 + l4 s / 4) / (sqrt(A B) (sqrt(A) + sqrt(B)))
+    1/w - 1/v = C / (sqrt(A B) (sqrt(A) + sqrt(B))),      C = (B - A) / s
 
-holds for all s without cancellation. It replaces the series around y = kappa_1, where it gives
-l3 / 6 and so F = 1/2 + l3 / (6 sqrt(2 pi)).
+holds for all s without cancellation (`generating` gives A, B and C). It replaces the series around
+y = kappa_1, where it gives l3 / 6 and so F = 1/2 + l3 / (6 sqrt(2 pi)).
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uqfold.moments.conditional import AtomicDistribution
+from uqfold.moments.generating import Cumulants, GeneratingFunction
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.pearson_types import check_moments
 from uqfold.typing import BoolArray, FloatArray
@@ -69,7 +70,7 @@ class SaddlepointValue:
 
 @dataclass(frozen=True)
 class SaddlepointDistribution:
-    """Lugannani-Rice approximation from mean, std, skewness and kurtosis.
+    """Lugannani-Rice approximation, by default from mean, std, skewness and kurtosis.
 
     The approximation is used on the widest interval around kappa_1 on which a saddlepoint exists
     on the branch through s = 0, the formula rises with y, and both tails lie in [0, 1] (`window`).
@@ -85,6 +86,9 @@ class SaddlepointDistribution:
         In the unit of the response; std = 0 is a step at the mean.
     skewness, kurtosis
         Standardised; kurtosis is 3 for a normal.
+    more
+        A cumulant-generating function of the standardised response that knows more than these
+        cumulants: more of them, or all.
 
     Raises
     ------
@@ -96,6 +100,7 @@ class SaddlepointDistribution:
     std: float
     skewness: float
     kurtosis: float
+    more: GeneratingFunction | None = None
 
     def __post_init__(self) -> None:
         check_moments(self.mean, self.std, self.skewness, self.kurtosis)
@@ -116,8 +121,6 @@ class SaddlepointDistribution:
     def window(self) -> tuple[float, float]:
         """Interval of y on which the saddlepoint approximation itself answers; may be empty."""
         low, high = (self._slope(s) for s in self._branch)
-        low = -math.inf if math.isinf(self._branch[0]) else low
-        high = math.inf if math.isinf(self._branch[1]) else high
         return self.mean + self.std * low, self.mean + self.std * high
 
     def cdf(self, y: ArrayLike) -> FloatArray:
@@ -137,8 +140,7 @@ class SaddlepointDistribution:
             return SaddlepointValue(cdf, sf, no, no)
         x = np.ravel((values - self.mean) / self.std)
         low, high = self._branch
-        x_low = -math.inf if math.isinf(low) else self._slope(low)
-        x_high = math.inf if math.isinf(high) else self._slope(high)
+        x_low, x_high = self._slope(low), self._slope(high)
         empty = low >= high
         below = np.full(x.shape, empty) | (x < x_low)
         above = ~below & (x > x_high)
@@ -167,25 +169,24 @@ class SaddlepointDistribution:
             cdf.reshape(shape), sf.reshape(shape), fallback.reshape(shape), clipped.reshape(shape)
         )
 
-    @property
-    def _excess(self) -> float:
-        return self.kurtosis - 3.0
+    @cached_property
+    def _generating(self) -> GeneratingFunction:
+        return self.more or Cumulants((self.skewness, self.kurtosis - 3.0))
 
     def _slope(self, s: float) -> float:
         """K'(s), the standardised y that belongs to saddlepoint s."""
-        return s + self.skewness * s**2 / 2.0 + self._excess * s**3 / 6.0
+        return s if math.isinf(s) else float(self._generating.slope(np.array(s)))
 
     def _saddlepoint(self, x: FloatArray) -> FloatArray:
         """Root of Eq. (34) on the branch: safeguarded Newton iteration, all points at once."""
-        low = np.full(x.shape, max(self._branch[0], -1e3))
-        high = np.full(x.shape, min(self._branch[1], 1e3))
+        ends = [np.sign(s) * 1e3 if math.isinf(s) else s for s in self._branch]
+        low, high = np.full(x.shape, ends[0]), np.full(x.shape, ends[1])
         s = np.clip(x, low, high)
-        l3, l4 = self.skewness, self._excess
         for _ in range(100):
-            error = s + l3 * s**2 / 2.0 + l4 * s**3 / 6.0 - x
+            error = self._generating.slope(s) - x
             low, high = np.where(error <= 0, s, low), np.where(error >= 0, s, high)
             with np.errstate(divide="ignore", invalid="ignore"):
-                newton = s - error / (1.0 + l3 * s + l4 * s**2 / 2.0)
+                newton = s - error / self._generating.parts(s)[1]
             inside = (newton >= low) & (newton <= high)
             proposal = np.where(inside, newton, 0.5 * (low + high))
             done = np.abs(proposal - s) <= 4e-16 * np.abs(s)
@@ -194,21 +195,14 @@ class SaddlepointDistribution:
                 break
         return s
 
-    def _parts(self, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return A and B of the module's docstring."""
-        l3, l4 = self.skewness, self._excess
-        return 1.0 + 2.0 * l3 * s / 3.0 + l4 * s**2 / 4.0, 1.0 + l3 * s + l4 * s**2 / 2.0
-
     def _lugannani_rice(self, s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(cdf, sf) at saddlepoints s inside the branch, Eq. (35)."""
         from scipy.special import erfcx, ndtr
 
-        big_a, big_b = self._parts(s)
+        big_a, big_b, big_c = self._generating.parts(s)
         root_a, root_b = np.sqrt(big_a), np.sqrt(big_b)
         w = s * root_a
-        correction = (self.skewness / 3.0 + self._excess * s / 4.0) / (
-            root_a * root_b * (root_a + root_b)
-        )
+        correction = big_c / (root_a * root_b * (root_a + root_b))
         density = np.exp(-0.5 * w**2) / _SQRT_2PI
         # The smaller tail as density * (Mills ratio -+ correction), the other one as a plain sum.
         mills = math.sqrt(math.pi / 2.0) * erfcx(np.abs(w) / math.sqrt(2.0))
@@ -219,11 +213,9 @@ class SaddlepointDistribution:
 
     def _rise(self, s: FloatArray) -> FloatArray:
         """(dF/ds) / phi(w) = sqrt(K'') + d(1/w - 1/v)/ds: its sign says whether F rises."""
-        l3, l4 = self.skewness, self._excess
-        big_a, big_b = self._parts(s)
+        big_a, big_b, big_c = self._generating.parts(s)
+        slope_a, slope_b, slope_c = self._generating.slopes(s)
         root_a, root_b = np.sqrt(big_a), np.sqrt(big_b)
-        slope_a, slope_b = 2.0 * l3 / 3.0 + l4 * s / 2.0, l3 + l4 * s
-        top = l3 / 3.0 + l4 * s / 4.0
         bottom = big_a * root_b + big_b * root_a
         slope_bottom = (
             slope_a * root_b
@@ -231,7 +223,7 @@ class SaddlepointDistribution:
             + slope_b * root_a
             + big_b * slope_a / (2.0 * root_a)
         )
-        return np.asarray(root_b + (l4 / 4.0 - top * slope_bottom / bottom) / bottom)
+        return np.asarray(root_b + (slope_c - big_c * slope_bottom / bottom) / bottom)
 
     @cached_property
     def _branch(self) -> tuple[float, float]:
@@ -242,23 +234,25 @@ class SaddlepointDistribution:
 
     def _reach(self, direction: float) -> float:
         """How far |s| may go: until K'' = 0, F stops rising, or a tail leaves [0, 1]."""
-        singular = _first_positive_root(self._excess / 2.0, direction * self.skewness)
+        singular = self._generating.end(direction)
         farthest = _FARTHEST if math.isinf(singular) else singular * (1.0 - 1e-12)
+        vanishing = False
         for _ in range(20):
             if not math.isinf(singular):
                 break
             # w must reach the underflow; A may stay below 1 for a while.
-            big_a = float(self._parts(np.array([direction * farthest]))[0][0])
-            if farthest * math.sqrt(big_a) >= _FARTHEST:
+            big_a = float(self._generating.parts(np.array([direction * farthest]))[0][0])
+            vanishing = farthest * math.sqrt(big_a) >= _FARTHEST
+            if vanishing:
                 break
             farthest *= 2.0
-        # K and the formula change over 1/skewness or 1/sqrt(excess), which may be much shorter.
-        scale = 1.0 / (1.0 + abs(self.skewness) + math.sqrt(abs(self._excess)))
+        # K and the formula may change over a much shorter distance
+        scale = self._generating.scale
         grid = np.geomspace(0.01 * min(scale, farthest), farthest, 800)
 
         def admissible(size: FloatArray) -> BoolArray:
             s = direction * size
-            big_a, _ = self._parts(s)
+            big_a = self._generating.parts(s)[0]
             cdf, sf = self._lugannani_rice(s)
             tail = np.where(direction > 0, sf, cdf)
             underflow = s**2 * big_a > _FARTHEST**2
@@ -268,7 +262,8 @@ class SaddlepointDistribution:
 
         good = admissible(grid)
         if good.all():
-            return math.inf if math.isinf(singular) else float(farthest)
+            # a bounded response has a probability left at the end of its support
+            return math.inf if vanishing else float(farthest)
         first = int(np.argmin(good))
         low, high = (0.0 if first == 0 else float(grid[first - 1])), float(grid[first])
         for _ in range(10):
@@ -293,12 +288,3 @@ class SaddlepointDistribution:
     @cached_property
     def _pearson(self) -> PearsonDistribution | AtomicDistribution:
         return PearsonDistribution.from_moments(self.mean, self.std, self.skewness, self.kurtosis)
-
-
-def _first_positive_root(quadratic: float, linear: float) -> float:
-    """Smallest s > 0 with 1 + linear s + quadratic s^2 = 0; inf if there is none."""
-    discriminant = linear**2 - 4.0 * quadratic
-    if discriminant < 0 or (quadratic >= 0 and linear >= 0):
-        return math.inf
-    denominator = -linear + math.sqrt(discriminant)
-    return 2.0 / denominator if denominator > 0 else math.inf

@@ -1,0 +1,234 @@
+"""Moments of a polynomial through responses, at the nodes of a rule over the shared inputs.
+
+The polynomial costs no runs, so that rules over it may be as fine as its degree asks: with positive
+weights, so that the moments are those of a distribution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from uqfold.inputs import JointInputs, normal
+from uqfold.inputs.gauss import gauss_rule
+from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.cumulants import ResponseMoments, moments_from_rule
+from uqfold.moments.families import Fit
+from uqfold.moments.generating import QuadraticForm
+from uqfold.moments.quadrature import tensor_grid
+from uqfold.typing import FloatArray
+
+GaussRule: TypeAlias = tuple[FloatArray, FloatArray]
+
+MOST_POINTS = 2_000_000
+"""Values of the polynomial held at once."""
+_FINE = 13
+"""Nodes over an individual input that integrate fourth powers of polynomials of degree 6."""
+_HERMITE = 7
+"""Nodes over an individual input for the part of degree two."""
+
+
+@dataclass(frozen=True, eq=False)
+class OuterRule:
+    """A rule over the shared inputs, and what the response is given each of its nodes.
+
+    Attributes
+    ----------
+    places
+        Nodes (K, d_shared), in the coordinates of the rule.
+    weights
+        Their weights (K,).
+    moments
+        Moments of the conditional response at each of them.
+    """
+
+    places: FloatArray
+    weights: FloatArray
+    moments: tuple[ResponseMoments, ...]
+
+    def fitted(self, fit: Fit) -> list[ConditionalDistribution] | None:
+        """Return a distribution at every node, or None if one node has none."""
+        found = [fit(one) for one in self.moments]
+        known = [one for one in found if one is not None]
+        return known if len(known) == len(found) else None
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMoments:
+    """Takes moments of a polynomial.
+
+    Attributes
+    ----------
+    inputs
+        Inputs of the problem.
+    surface
+        The polynomial.
+    least
+        Nodes that an individual input has at least in its rule (q,).
+    additive
+        Whether the polynomial has no interactions of individual inputs: its cumulants are then
+        sums, however many there are.
+    quadratic
+        Whether to find its part of degree two in standard normal inputs too.
+    """
+
+    inputs: JointInputs
+    surface: FactorialSurface
+    least: tuple[int, ...]
+    additive: bool = False
+    quadratic: bool = False
+
+    def at(self, outer: Sequence[int], nodes: int | None = None) -> OuterRule:
+        """Return the moments at the nodes of a product of Gauss rules over the shared inputs.
+
+        Parameters
+        ----------
+        outer
+            Nodes of each shared input.
+        nodes
+            Size of the product for which memory is to be kept; None: that of `outer`.
+
+        Raises
+        ------
+        ValueError
+            If a marginal has no such rule, or there are too many individual inputs for a product
+            of rules.
+        """
+        rules = rules_of(self.inputs, [*outer, *(1 for _ in self.least)])[: len(outer)]
+        places, weights = tensor_grid(rules)
+        shared = [nodes for nodes, _ in rules]
+        size = weights.size if nodes is None else nodes
+        moments = (
+            self._sums(shared, weights.size)
+            if self.additive
+            else self._product(shared, outer, size)
+        )
+        if self.quadratic and self.least:
+            moments = self._with_quadratic(moments, shared)
+        return OuterRule(places, weights, tuple(moments))
+
+    def _product(
+        self, shared: list[FloatArray], outer: Sequence[int], size: int
+    ) -> list[ResponseMoments]:
+        """Moments by a product of rules over the individual inputs."""
+        counts = self._counts(outer, size)
+        rules = rules_of(self.inputs, [*outer, *counts])[len(outer) :]
+        values = self.surface.on_grid([*shared, *(places for places, _ in rules)])
+        found = moments_from_rule(values.reshape(math.prod(outer), -1), product_of_weights(rules))
+        return [found.of(k) for k in range(len(found))]
+
+    def _counts(self, outer: Sequence[int], size: int) -> list[int]:
+        """Return nodes over the individual inputs: as many as memory and marginals allow."""
+        for n in range(_FINE, min(self.least, default=_FINE), -1):
+            wanted = [max(n, count) for count in self.least]
+            if size * math.prod(wanted) <= MOST_POINTS:
+                try:
+                    rules_of(self.inputs, [*outer, *wanted])
+                except ValueError:
+                    continue
+                return wanted
+        return list(self.least)
+
+    def _sums(self, shared: list[FloatArray], size: int) -> list[ResponseMoments]:
+        """Moments from cumulants, which add up over independent parts."""
+        n_shared, middle = len(shared), self.surface.middle
+        mean = self.surface.on_grid([*shared, *middle[n_shared:, None]]).ravel()
+        total = np.zeros((size, 5))
+        centre = mean.copy()
+        for i, least in enumerate(self.least):
+            axis = n_shared + i
+            places, weights = _finest(self.inputs, axis, least)
+            grid = [*shared, *middle[n_shared:, None]]
+            grid[axis] = places
+            found = moments_from_rule(self.surface.on_grid(grid).reshape(size, -1), weights)
+            mean = mean + (found.mean - centre)
+            for k in range(size):
+                one = found.of(k)
+                powers = one.std ** np.arange(2.0, 7.0)
+                total[k] += powers * np.array([1.0, *one.higher_cumulants])
+        return [_from_cumulants(float(m), one) for m, one in zip(mean, total, strict=True)]
+
+    def _with_quadratic(
+        self, moments: list[ResponseMoments], shared: list[FloatArray]
+    ) -> list[ResponseMoments]:
+        """Add the part of degree two: the projection on Hermite polynomials."""
+        q = len(self.least)
+        n = _HERMITE
+        while n > 3 and len(moments) * n**q > MOST_POINTS:
+            n -= 1
+        if len(moments) * n**q > MOST_POINTS:
+            return moments
+        u, weights = gauss_rule(normal(0.0, 1.0), n)
+        grid = [u] * q
+        if self.inputs.independent:
+            marginals = self.inputs.marginals[len(shared) :]
+            grid = [marginal.from_normal(u) for marginal in marginals]
+        values = self.surface.on_grid([*shared, *grid]).reshape(len(moments), -1)
+        points, product = tensor_grid([(u, weights)] * q)
+        means = values @ product
+        centred = (values - means[:, None]) * product
+        linear = centred @ points
+        # E y u_i u_j is twice the coefficient of the matrix, on the diagonal as beside it
+        matrices = 0.5 * np.einsum("kp,pi,pj->kij", centred, points, points, optimize=True)
+        return [
+            replace(one, quadratic=QuadraticForm.of(matrix, line, one.std))
+            for one, matrix, line in zip(moments, matrices, linear, strict=True)
+        ]
+
+
+def _from_cumulants(mean: float, cumulants: FloatArray) -> ResponseMoments:
+    """Return moments from a mean and the cumulants of order two to six."""
+    variance = float(cumulants[0])
+    if not variance > 0.0:
+        return ResponseMoments(mean, 0.0, 0.0, 3.0, 0.0, 15.0)
+    std = math.sqrt(variance)
+    third, fourth, fifth, sixth = (cumulants[1:] / std ** np.arange(3.0, 7.0)).tolist()
+    kurtosis = fourth + 3.0
+    return ResponseMoments(
+        mean,
+        std,
+        third,
+        kurtosis,
+        fifth + 10.0 * third,
+        sixth + 15.0 * kurtosis + 10.0 * third**2 - 30.0,
+    )
+
+
+def _finest(inputs: JointInputs, axis: int, least: int) -> GaussRule:
+    """Return the finest rule of an input that moments of polynomials need and its marginal has."""
+    for n in range(max(_FINE, least), least, -1):
+        try:
+            return _rule_of(inputs, axis, n)
+        except ValueError:
+            continue
+    return _rule_of(inputs, axis, least)
+
+
+def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
+    """Return the Gauss rule of every input, in the coordinates in which the design is a product.
+
+    These are the inputs themselves if they are independent, or else standard-normal variables.
+
+    Raises
+    ------
+    ValueError
+        If a marginal has no such rule.
+    """
+    return [_rule_of(inputs, i, n) for i, n in enumerate(counts)]
+
+
+def _rule_of(inputs: JointInputs, i: int, n: int) -> GaussRule:
+    return inputs.gauss_rule(i, n) if inputs.independent else gauss_rule(normal(0.0, 1.0), n)
+
+
+def product_of_weights(rules: Sequence[GaussRule]) -> FloatArray:
+    """Return the weights of a product of rules, the last one running fastest."""
+    product = np.ones(1)
+    for _, weights in rules:
+        product = np.outer(product, weights).ravel()
+    return product
