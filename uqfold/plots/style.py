@@ -1,7 +1,8 @@
 """Colours and markers of methods, the same in every figure, and readable without colour vision.
 
-Colours are those of Okabe and Ito, without black, which is the reference; every method also has a
-marker of its own.
+Colours are those of Okabe and Ito, the pale ones darker, as lines on white paper have to be (WCAG 2.2
+asks for a contrast of 3), and without black, which is the reference; every method also has a marker
+of its own.
 
 References
 ----------
@@ -39,20 +40,20 @@ class MethodStyle:
 _FIXED = {
     "ffni-spa": MethodStyle("#0072B2", "o"),
     "ffni-pearson": MethodStyle("#D55E00", "s"),
-    "kriging": MethodStyle("#56B4E9", "P"),
+    "kriging": MethodStyle("#4897C4", "P"),
     "pce": MethodStyle("#882255", "<"),
     "active-kriging": MethodStyle("#7F6A00", "X"),
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
-    "openturns-mc": MethodStyle("#E69F00", "v"),
+    "openturns-mc": MethodStyle("#BD8200", "v"),
 }
 """Their colours and markers."""
 FURTHER_STYLES = (
     MethodStyle("#5D3A9B", ">"),
     MethodStyle("#117733", "p"),
     MethodStyle("#8C510A", "h"),
-    MethodStyle("#44AA99", "d"),
+    MethodStyle("#3F9C8D", "d"),
     MethodStyle("#AA4499", "H"),
     MethodStyle("#666666", "8"),
 )

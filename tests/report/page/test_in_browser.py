@@ -367,6 +367,33 @@ def test_every_text_has_enough_contrast(
     assert any(".lead" in one for one in js(driver, CONTRASTS)[1])
 
 
+MARKS = """
+const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+const luminance = (color) => {
+  canvas.fillStyle = color; canvas.fillRect(0, 0, 1, 1);
+  return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3).map((value) => value / 255)
+    .map((value) => value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, value, i) => sum + value * [0.2126, 0.7152, 0.0722][i], 0);
+};
+const paper = luminance(getComputedStyle(document.body).backgroundColor);
+return [...document.querySelectorAll('svg [data-gid^=method] use')]
+  .map((mark) => luminance(getComputedStyle(mark).stroke))
+  .map((one) => (Math.max(one, paper) + 0.05) / (Math.min(one, paper) + 0.05));
+"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_mark_can_be_told_from_the_paper(
+    scheme: str, opened: Open, files: dict[str, Path]
+) -> None:
+    """WCAG 2.2 asks for a contrast of 3 between what is drawn and its ground."""
+    driver = opened(files["eight methods"])
+    emulate(driver, prefers_color_scheme=scheme)
+    contrasts = js(driver, MARKS)
+    assert len(contrasts) > 20
+    assert min(contrasts) >= 3.0
+
+
 AUDIT = """
 const done = arguments[arguments.length - 1];
 axe.run(document, {resultTypes: ['violations']}).then((found) => done(found.violations.map(

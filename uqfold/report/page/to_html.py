@@ -17,7 +17,6 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from uqfold.report.page import markup
-from uqfold.report.page.colors import by_day, by_night
 from uqfold.report.page.mathml import mathml
 from uqfold.report.page.picture import describe, inline_svg
 
@@ -60,8 +59,7 @@ def html(blocks: Iterable[Mapping[str, Any]], **about: str) -> str:
     body = templates.get_template("body.html.j2").render(
         page=about, whole=_tree(blocks), picture=picture
     )
-    shades = [(one[1:], by_day(one), by_night(one)) for one in sorted(colors)]
-    style = templates.get_template("page.css.j2").render(colors=shades)
+    style = templates.get_template("page.css.j2").render(colors=sorted(colors))
     script = templates.get_template("page.js").render()
     return templates.get_template("page.html.j2").render(
         page=about,
