@@ -1,5 +1,6 @@
 """What the examples of the paper share: conditions, grids, and the tables of their reports."""
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -101,15 +102,15 @@ def answer_pair(
         The threshold of the simulation in the reduced form.
     """
     name = CONDITIONS[numbers[0]][0]
-    problems = {f"condition-{number}": condition(number) for number in numbers}
+    problems = {one: run.problems[one] for one in map("condition-{}".format, numbers)}
     spa, pearson, simulation = ({label: CHECKED[label]} for label in CHECKED)
     T, missions = run.choose((T, [2, 5, 8, 10]), ([one, few[-1]], [2, 10]))
     run.compare(f"{name}-no-sync", problems, spa, criteria(T, None, missions))
     tau = run.choose(TAU, TAU[::4])
     run.compare(f"{name}-sync", problems, pearson, criteria(T, tau, FLOWN))
     if run.quick:
-        first = {f"condition-{numbers[0]}": condition(numbers[0])}
-        run.compare(f"{name}-check", first, simulation, criteria(one, None, 2), [2048])
+        problems.popitem()
+        run.compare(f"{name}-check", problems, simulation, criteria(one, None, 2), [2048])
     else:
         grid = criteria(few, [None, *TAU[::4]], [2, 10, FLOWN])
         run.compare(f"{name}-check", problems, simulation, grid)
@@ -148,25 +149,26 @@ def pair_figures(page: Page, run: Run, number: int, pairs: Iterable[tuple[int, i
             )  # fmt: skip
 
 
-def inputs_table(run: Run, problem: str) -> pd.DataFrame:
+def inputs_table(problem: uqfold.Problem) -> pd.DataFrame:
     """Return the random inputs of a problem as the paper prints them."""
-    frame = run.rows("inputs", problem=problem)
-    drawn = {"shared": "once per system", "individual": "per unit and mission"}
-    frame["drawn"] = frame["role"].map(drawn)
-    frame = frame.rename(columns={"std": "standard deviation"})
-    return frame[["input", "unit", "drawn", "distribution", "mean", "standard deviation"]]
+    own = problem.inputs
+    drawn = ["once per system" if name in own.shared_names else "per unit and mission"
+             for name in own.names]  # fmt: skip
+    return pd.DataFrame({
+        "input": own.names, "unit": problem.input_units, "drawn": drawn,
+        "distribution": own.families, "mean": own.means,
+        "standard deviation": own.standard_deviations,
+    })  # fmt: skip
 
 
-def changed_inputs(run: Run, numbers: Sequence[int]) -> pd.DataFrame:
+def changed_inputs(numbers: Iterable[int]) -> pd.DataFrame:
     """Return what the conditions change, beside what they change it from."""
-    usual = uqfold.problems.folding_wing().inputs
+    usual = inputs_table(uqfold.problems.folding_wing()).set_index("input")
     rows = []
     for number in numbers:
         name, moment, value = CONDITIONS[number]
-        row = run.rows("inputs", problem=f"condition-{number}", input=name).iloc[0]
-        moments = usual.means if moment == "mean" else usual.standard_deviations
-        before = moments[usual.names.index(name)]
-        rows.append((number, name, moment, f"{value:g} {row['unit']}", f"{before:g} {row['unit']}"))
+        before, unit = usual.loc[name, [moment, "unit"]]
+        rows.append((number, name, moment, f"{value:g} {unit}", f"{before:g} {unit}"))
     return pd.DataFrame(rows, columns=["condition", "input", "changed", "value", "instead of"])
 
 
@@ -178,12 +180,10 @@ def evaluations_table(run: Run, *names: str) -> pd.DataFrame:
     frame = frame.assign(asked="evaluations " + asked)
     cases = frame.groupby(["problem", "label", "asked"], sort=False)["n_evals"]
     table = cases.agg(lambda n: " to ".join(f"{one:,}" for one in sorted({n.min(), n.max()})))
-    stated = run.tables["problems"].set_index("problem")["reference_how"].astype(str)
-    deployments = stated.str.extract(r"(\d+) deployments")[0].dropna()
-    known = frame[frame["reference_pf"].notna() & frame["problem"].isin(deployments.index)]
+    known = frame[frame["reference_pf"].notna()]
     for problem, one in {*zip(known["problem"], known["asked"], strict=True)}:
-        count = int(deployments[problem])
-        table[problem, "Monte Carlo, the reference", one] = f"{count:,}"
+        if count := re.search(r"(\d+) deployments", run.problems[problem].references.how):
+            table[problem, "Monte Carlo, the reference", one] = f"{int(count[1]):,}"
     table = table.unstack().reset_index().rename(columns={"label": "method"})
     table = table.sort_values("problem", kind="stable")
     return table if table["problem"].nunique() > 1 else table.drop(columns="problem")

@@ -12,11 +12,13 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 import uqfold
@@ -36,14 +38,12 @@ LEFT_OUT = [
     "seconds",
 ]  # fmt: skip
 """Columns of comparisons that no study shows."""
-DIGITS = 10
-"""Significant digits of numbers in tables."""
+OPTIONS = {
+    "quick": "run the reduced form, into .quick beside the studies",
+    "redraw": "run nothing: write figures and report anew from the tables that are there",
+    "check": "compare the reduced form with the tables that are there, and write nothing",
+}
 
-TEXTS = (
-    "problem", "label", "missions", "message", "unit", "response_unit", "reference_how",
-    "reference_command", "verified_by", "value_meets", "safe_meets", "agrees",
-)  # fmt: skip
-"""Columns of texts that may all be empty, or look like numbers."""
 KEYS = (
     "problem", "label", "other", "parameter", "input", "moment", "order", "units", "relative",
     "synchronized", "decade", "threshold", "tau", "missions", "target_pf", "step",
@@ -58,50 +58,33 @@ ERROR_OF = {
 }  # fmt: skip
 """Estimates and the columns of their errors."""
 OWNERS = ("derivative", "index", "difference", "value", "pf")
-"""The first of these that a table has is the estimate that ``std_error`` belongs to."""
+"""The first of these that a table has is the estimate that `std_error` belongs to."""
 SURE = ("reference_pf", "reference_std_error", "pf", "pf_independent", "difference")
-"""Columns that depend on no sample; of a table with ``std_error`` only those of references."""
-MAGNIFIED = ("error", "efficiency", "seconds")
-"""Columns that nobody compares: they magnify rounding, or are never the same."""
+"""Columns that depend on no sample; of a table with `std_error` only those of references."""
+NOT_COMPARED = ("max_evals", "error", "efficiency", "seconds")
+"""Columns that are asked for, magnify rounding, or are never the same."""
 STANDARD_ERRORS = 5.0
 """Joint standard errors by which estimates from two samples may differ."""
 ADAPTIVE = ("active-kriging",)
 """Methods that choose their own runs: their rows always count as another sample."""
-OPTIONS = {
-    "quick": "run the reduced form, into .quick beside the studies",
-    "redraw": "run nothing: write figures and report anew from the tables that are there",
-    "check": "compare the reduced form with the tables that are there, and write nothing",
-}
 
-Tables = Callable[["Run"], None]
+Problems = Mapping[str, uqfold.Problem]
 
 
+@dataclass
 class Run:
-    """One run of a study: its name, whether it is the reduced form, and its tables.
+    """One run of a study: its name and problems, whether it is the reduced form, and its tables.
 
-    Parameters
-    ----------
-    name
-        Name of the study.
-    quick
-        Whether it is the reduced form.
-    out
-        Folder to write to, or None.
-    store
-        File in which values of models are kept, or None.
+    Without `out` nothing is written, and without `store` no values of models are kept.
     """
 
-    def __init__(
-        self, name: str, quick: bool = False, out: Path | None = None, store: Path | None = None
-    ) -> None:
-        self.name, self.quick, self.out = name, quick, out
-        self.tables: dict[str, pd.DataFrame] = {}
-        self.record: dict[str, Any] = {}
-        self._began = time.perf_counter()
-        self._store = None
-        if store is not None:
-            store.parent.mkdir(parents=True, exist_ok=True)
-            self._store = uqfold.evaluation.Store(store)
+    name: str
+    problems: Problems
+    quick: bool = False
+    out: Path | None = None
+    store: uqfold.evaluation.Store | None = None
+    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+    record: dict[str, Any] = field(default_factory=dict)
 
     def choose(self, full: Any, quick: Any) -> Any:
         """Return the second in the reduced form, else the first."""
@@ -109,31 +92,12 @@ class Run:
 
     def evaluator(self, problem: uqfold.Problem) -> uqfold.Evaluator:
         """Return how the model of a problem is evaluated."""
-        store = None if problem.name in FORMULAS else self._store
+        store = None if problem.name in FORMULAS else self.store
         return uqfold.Evaluator(batch_rows=1024, store=store)
-
-    def problems(self, problems: Mapping[str, uqfold.Problem]) -> None:
-        """Keep the tables ``problems`` and ``inputs``."""
-        rows, inputs = [], []
-        for name, problem in problems.items():
-            known, own = problem.references, problem.inputs
-            how, command = (known.how, known.command) if known else ("", "")
-            rows.append((name, problem.response, problem.response_unit, problem.n_units, how,
-                         command))  # fmt: skip
-            individual = len(own.names) - own.n_shared
-            inputs.append(pd.DataFrame({
-                "problem": name, "input": own.names, "unit": problem.input_units,
-                "role": ["shared"] * own.n_shared + ["individual"] * individual,
-                "distribution": own.families, "mean": own.means, "std": own.standard_deviations,
-            }))  # fmt: skip
-        columns = ["problem", "response", "response_unit", "units"]
-        columns += ["reference_how", "reference_command"]
-        self.keep("problems", pd.DataFrame(rows, columns=columns))
-        self.keep("inputs", pd.concat(inputs, ignore_index=True))
 
     def answers(
         self,
-        problems: Mapping[str, uqfold.Problem],
+        problems: Problems,
         methods: Mapping[str, uqfold.ReliabilityMethod],
         criteria: uqfold.Criteria,
         budgets: Sequence[int | None] = (None,),
@@ -144,8 +108,9 @@ class Run:
         A method without randomness runs with the first seed only.
         """
         frames = []
-        for name, label, budget in product(problems, methods, budgets):
-            problem, method = problems[name], methods[label]
+        for (name, problem), (label, method), budget in product(
+            problems.items(), methods.items(), budgets
+        ):
             for seed in range(seeds if method.stochastic else 1):
                 frame = uqfold.compare(
                     problem, {label: method}, criteria, max_evals=budget, rng=seed,
@@ -166,41 +131,50 @@ class Run:
         own = [column for column in frame.columns if column not in first]
         self.tables[name] = frame.assign(**first)[[*first, *own]]
         if self.out is not None:
-            results = self.out / "results"
-            results.mkdir(parents=True, exist_ok=True)
-            written = self.tables[name].to_csv(index=False, float_format=f"%.{DIGITS}g")
-            write_text(results / f"{name}.csv", written)
+            written = self.tables[name].to_csv(index=False, float_format="%.10g")
+            self._write(f"{name}.csv", written)
             print(f"{name}: {len(frame)} rows", file=sys.stderr)
 
     def rows(self, *names: str, **where: Any) -> pd.DataFrame:
         """Return rows of tables with these values (or one of a list); None is a missing number."""
         frame = pd.concat([self.tables[name] for name in names], ignore_index=True)
+        frame = frame.fillna(dict.fromkeys(frame.select_dtypes(exclude="number"), ""))
         for column, wanted in where.items():
             values = wanted if isinstance(wanted, list) else [wanted]
             own = frame[column].astype(object)
             frame = frame[own.where(own.notna(), None).isin(values)]
         frame = frame.reset_index(drop=True)
-        if "problems" in self.tables:
-            header = self.tables["problems"].iloc[0]
-            frame.attrs["uqfold-comparison"] = dict(header[["response", "response_unit"]])
+        for problem in [*self.problems.values()][:1]:
+            header = {"response": problem.response, "response_unit": problem.response_unit}
+            frame.attrs["uqfold-comparison"] = header
         return frame
 
-    def write_record(self) -> None:
+    def finish(self, seconds: float) -> None:
         """Write beside the tables what made them."""
         command = f"python studies/{self.name}/study.py{' --quick' if self.quick else ''}"
-        made = provenance.made_by(*NUMBERS_BY, command=command)
-        seconds = round(time.perf_counter() - self._began)
         self.record = {
-            "schema": SCHEMA, "quick": self.quick, **made, "seconds": seconds,
+            "schema": SCHEMA, "quick": self.quick,
+            **provenance.made_by(*NUMBERS_BY, command=command), "seconds": round(seconds),
             "tables": [*self.tables],
         }  # fmt: skip
+        self._write("record.json", json.dumps(self.record, indent=1, ensure_ascii=False) + "\n")
+
+    def _write(self, file: str, written: str) -> None:
         if self.out is not None:
-            text = json.dumps(self.record, indent=1, ensure_ascii=False) + "\n"
-            write_text(self.out / "results" / "record.json", text)
+            results = self.out / "results"
+            results.mkdir(parents=True, exist_ok=True)
+            write_text(results / file, written)
+
+
+Tables = Callable[[Run], None]
 
 
 def main(
-    study: str, tables: Tables, page: Callable[[Run], Page], tolerance: tuple[float, float]
+    study: str,
+    problems: Problems,
+    tables: Tables,
+    page: Callable[[Run], Page],
+    tolerance: tuple[float, float],
 ) -> None:
     """Run a study as its command line asks.
 
@@ -208,8 +182,8 @@ def main(
     ----------
     study
         ``__file__`` of the script.
-    tables, page
-        What makes its tables, and what shows them.
+    problems, tables, page
+        What it asks about, what makes its tables, and what shows them.
     tolerance
         Relative and absolute difference up to which `--check` takes two numbers for the same.
     """
@@ -219,62 +193,52 @@ def main(
     for name, words in OPTIONS.items():
         asked.add_argument(f"--{name}", action="store_true", help=words)
     options = parser.parse_args()
-    if options.check:
-        found = differences(_kept(folder), tables, tolerance, STORE)
-        print(f"{folder.name}: {f'{len(found)} differences' if found else 'holds'}")
-        print(*(f"  {one}" for one in found[:10]), sep="\n")
-        sys.exit(1 if found else 0)
-    out = folder.parent / ".quick" / folder.name if options.quick else folder
-    if options.redraw:
-        run = _kept(folder)
-        run.out = out
+    STORE.parent.mkdir(parents=True, exist_ok=True)
+    store = uqfold.evaluation.Store(STORE)
+    if options.redraw or options.check:
+        try:
+            run = read_run(folder, problems)
+        except (OSError, ValueError) as error:
+            parser.exit(2, f"{folder.name}: {error}\n")
+        if options.check:
+            found = differences(run, tables, tolerance, store)
+            print(f"{folder.name}: {f'{len(found)} differences' if found else 'holds'}")
+            print(*(f"  {one}" for one in found[:10]), sep="\n")
+            sys.exit(1 if found else 0)
     else:
-        run = Run(folder.name, options.quick, out, STORE)
+        out = folder.parent / ".quick" / folder.name if options.quick else folder
+        run = Run(folder.name, problems, options.quick, out, store)
+        began = time.perf_counter()
         tables(run)
-        run.write_record()
+        run.finish(time.perf_counter() - began)
+    out = run.out or folder
     with plots.figure_settings():
         page(run).write(out / "report.md")
     print(f"{folder.name}: {len(run.tables)} tables and report.md in {out}")
 
 
-def _kept(folder: Path) -> Run:
-    """Return what `read_run` reads, or end with one line that says why it cannot."""
-    try:
-        return read_run(folder)
-    except FileNotFoundError as error:
-        missing = Path(error.filename).relative_to(folder)
-        why = f"there is no {missing}: run it in full first, python studies/{folder.name}/study.py"
-    except ValueError as error:
-        why = str(error)
-    print(f"{folder.name}: {why}", file=sys.stderr)
-    sys.exit(2)
-
-
-def read_run(folder: Path) -> Run:
+def read_run(folder: Path, problems: Problems) -> Run:
     """Read the tables and the record of a study that has been run.
 
     Raises
     ------
     ValueError
-        If they are of another schema.
-    FileNotFoundError
-        If the study has not been run in full.
+        If the study has not been run in full, or the tables are of another schema.
     """
-    run, results = Run(folder.name), folder / "results"
-    run.record = json.loads((results / "record.json").read_text(encoding="utf-8"))
-    schema = run.record.get("schema", SCHEMA)
+    results = folder / "results"
+    if not (results / "record.json").is_file():
+        script = f"python studies/{folder.name}/study.py"
+        raise ValueError(f"there is no results/record.json: run it in full first, {script}")
+    record = json.loads((results / "record.json").read_text(encoding="utf-8"))
+    schema = record.get("schema", SCHEMA)
     if schema != SCHEMA:
         raise ValueError(
             f"{results}: the tables are of schema {schema!r}, not {SCHEMA!r}: run the study again"
         )
-    run.quick = run.record["quick"]
-    for name in run.record["tables"]:
-        frame = pd.read_csv(
-            results / f"{name}.csv", dtype=dict.fromkeys(TEXTS, str), na_values=[""],
-            keep_default_na=False,
-        )  # fmt: skip
-        run.tables[name] = frame.fillna({column: "" for column in TEXTS if column in frame})
-    return run
+    # an empty cell is a missing number; `Run.rows` makes an empty text of it among texts
+    how: Any = {"dtype": {"missions": str}, "keep_default_na": False, "na_values": [""]}
+    tables = {name: pd.read_csv(results / f"{name}.csv", **how) for name in record["tables"]}
+    return Run(folder.name, problems, record["quick"], folder, None, tables, record)
 
 
 def new_page(run: Run, text: str) -> Page:
@@ -289,16 +253,16 @@ def new_page(run: Run, text: str) -> Page:
 
 def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]) -> Page:
     """Add what every page ends with: references, what methods say, and what made the tables."""
-    problems = run.tables.get("problems", pd.DataFrame({"reference_how": []}))
-    for how, rows in problems.query("reference_how != ''").groupby("reference_how", sort=False):
+    known = {name: one.references for name, one in run.problems.items() if one.references}
+    for how, command in dict.fromkeys((one.how, one.command) for one in known.values()):
         page.section("References")
-        names = ", ".join(f"`{name}`" for name in rows["problem"])
-        page.text(f"{names}: {how} Made by `{rows['reference_command'].iloc[0]}`.")
+        names = ", ".join(f"`{name}`" for name, one in known.items() if one.how == how)
+        page.text(f"{names}: {how} Made by `{command}`.")
     said = [frame for frame in run.tables.values() if {"method", "message"} <= {*frame}]
     if said:
         page.section("What the methods say of their own answers")
         rows = pd.concat(said, ignore_index=True).query("status != 'converged'")
-        rows = rows.replace({"message": {"": "nobody estimated the error of the answer"}})
+        rows["message"] = rows["message"].fillna("").replace("", "nobody estimated its error")
         counts = rows.value_counts(["label", "status", "message"]).reset_index(name="rows")
         more = f"{len(counts)} different messages in all." if len(counts) > 12 else ""
         page.table(counts.head(12), "Answers that are not converged", more)
@@ -313,17 +277,19 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
 
 
 def differences(
-    committed: Run, tables: Tables, tolerance: tuple[float, float], store: Path | None = None
+    committed: Run,
+    tables: Tables,
+    tolerance: tuple[float, float],
+    store: uqfold.evaluation.Store | None = None,
 ) -> list[str]:
     """Compare the reduced form of a study with its committed tables; return what differs."""
-    fresh = Run(committed.name, quick=True, store=store)
+    fresh = Run(committed.name, committed.problems, quick=True, store=store)
     tables(fresh)
-    found = [f"{name}: not made" for name in committed.tables if name not in fresh.tables]
-    for name, frame in fresh.tables.items():
-        if name not in committed.tables:
-            found.append(f"{name}: not among the committed tables")
-            continue
-        found += [f"{name}: {one}" for one in compared(committed.tables[name], frame, tolerance)]
+    names = committed.tables.keys() ^ fresh.tables.keys()
+    found = [f"{name}: not among both committed and fresh tables" for name in sorted(names)]
+    for name in fresh.tables.keys() - names:
+        own, frame = committed.tables[name], fresh.tables[name]
+        found += [f"{name}: {one}" for one in compared(own, frame, tolerance)]
     return found
 
 
@@ -339,15 +305,14 @@ def compared(
     """
     keys, sample = ([name for name in names if name in fresh] for names in (KEYS, SAMPLE))
     exact = [*keys, *(name for name in ("max_evals", "seed") if name in fresh)]
+    numbers = fresh.select_dtypes("float").columns.difference([*exact, *sample, *NOT_COMPARED])
+    errors = {name: error for name, error in ERROR_OF.items() if name in fresh}
+    if "std_error" in fresh:
+        errors[next(name for name in OWNERS if name in fresh)] = "std_error"
+    sure = SURE[:2] if "std_error" in fresh else SURE
     known = {}
     for row in committed.to_dict("records"):
         known[_values(row, keys)] = known[_values(row, exact)] = row
-    numbers = fresh.select_dtypes("float").columns.difference([*exact, *sample, *MAGNIFIED])
-    errors = {name: error for name, error in ERROR_OF.items() if name in fresh}
-    sure = [name for name in SURE if name in fresh]
-    if "std_error" in fresh:
-        errors[next(name for name in OWNERS if name in fresh)] = "std_error"
-        sure = [name for name in sure if name.startswith("reference")]
     for row in fresh.to_dict("records"):
         where = ", ".join(f"{name} = {row[name]}" for name in exact)
         partner = known.get(_values(row, exact)) or known.get(_values(row, keys))
@@ -355,17 +320,21 @@ def compared(
             yield f"{where}: not among the committed rows"
             continue
         same = _values(row, sample) == _values(partner, sample) and row.get("label") not in ADAPTIVE
-        for name in numbers if same else sure:
+        for name in numbers:
             one, other = row[name], partner[name]
-            close = math.isclose(one, other, rel_tol=tolerance[0], abs_tol=tolerance[1])
-            if not close and not (math.isnan(one) and math.isnan(other)):
-                yield f"{where}: {name} = {one!r}, committed {other!r}"
-        for name, error in ({} if same else errors).items():
-            joint = math.hypot(row[error], partner[error])
-            if abs(row[name] - partner[name]) > STANDARD_ERRORS * joint:
-                yield f"{where}: {name} = {row[name]!r}, committed {partner[name]!r} ± {joint:.2g}"
+            allowed = tolerance[0] * abs(other) + tolerance[1]
+            if not same and name in errors:
+                # an estimate without an error says nothing that could be wrong
+                allowed = STANDARD_ERRORS * math.hypot(row[errors[name]], partner[errors[name]])
+                differs = abs(one - other) > allowed
+            elif same or name in sure:
+                differs = not np.isclose(one, other, *tolerance, equal_nan=True)
+            else:
+                continue
+            if differs:
+                yield f"{where}: {name} = {one!r}, committed {other!r} ± {allowed:.2g}"
 
 
-def _values(row: Mapping[Any, Any], names: Collection[str]) -> tuple[Any, ...]:
+def _values(row: Mapping[Any, Any], names: Sequence[str]) -> tuple[Any, ...]:
     """Return some values of a row, with None for NaN, which equals nothing."""
     return tuple(None if row[name] != row[name] else row[name] for name in names)

@@ -214,7 +214,6 @@ def calls(folder: Path) -> dict[str, Call]:
     cheap = methods.FFNIPearson()
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
     frame = compared.assign(**known)
-    summary = comparison.benchmark_summary(frame.assign(max_evals=1.0), {"response": 2})
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
     designs = analysis.designs_to_frame([design], cheap, max_evals=1000)
     designs = designs.assign(label="mc", problem="some")
@@ -813,15 +812,8 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "problems.ReferenceTable.lookup": Call(references.lookup, {"criterion": thing(criterion)}),
-        "plots.benchmark_panels": Call(
-            plots.benchmark_panels, {"summary": thing(summary), "decades": thing([-2])}
-        ),
         "plots.derivatives": Call(
             plots.derivatives, {"table": thing(slopes), "ax": optional(thing(drawn_into))}
-        ),
-        "plots.derivatives_over_threshold": Call(
-            plots.derivatives_over_threshold,
-            {"table": thing(slopes), "moment": choice("mean"), "ax": optional(thing(drawn_into))},
         ),
         "plots.design": Call(plots.design, {"table": thing(designs)}),
         "plots.figure_settings": Call(plots.figure_settings, {}),
@@ -854,6 +846,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "plots.method_styles": Call(
             plots.method_styles, {"labels": thing(["mc"]).also("empty list")}
         ),
+        "plots.one_legend": Call(plots.one_legend, {"figure": thing(axes.figure)}),
         "plots.points": Call(
             plots.points,
             {

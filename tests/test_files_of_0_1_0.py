@@ -103,4 +103,4 @@ def test_what_is_not_converted_is_refused_by_name(
 def test_a_study_is_not_drawn_anew() -> None:
     """Its record has neither source nor machine, and its tables other columns."""
     with pytest.raises(ValueError, match=r"'uqfold-study-results/1', not .*: run the study again"):
-        runner.read_run(FILES / "study")
+        runner.read_run(FILES / "study", {})

@@ -53,7 +53,7 @@ GONE = {
     "uqfold.evidence.StoredResult": "a record quotes no other record now",
     "uqfold.mechanism.BaumgarteTrajectory": _BAUMGARTE,
     "uqfold.mechanism.baumgarte_trajectory": _BAUMGARTE,
-    "uqfold.plots.benchmark": "a benchmark is drawn by uqfold.plots.benchmark_panels now",
+    "uqfold.plots.benchmark": "rows of benchmark_summary are drawn by uqfold.plots.points now",
     "uqfold.plots.reliability": 'it is uqfold.plots.reliability_panels(frame, ["pf"]) now',
     "uqfold.problems.wing.CONDITIONS": "the paper's conditions are in studies/paper.py now",
 }

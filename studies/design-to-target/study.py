@@ -32,6 +32,8 @@ from runner import Run, finish, main, new_page
 TOLERANCE = (1e-3, 1e-9)
 
 TARGET = 1e-3
+WING = uqfold.problems.folding_wing()
+PROBLEMS = {"wing": WING}
 METHODS = {
     "kriging": Kriging(),
     "conditional-mc": ConditionalMonteCarlo(blocks=2000, missions_per_draw=5),
@@ -44,10 +46,8 @@ THRESHOLDS = ("threshold-by-surface", "threshold-by-simulation", "threshold-by-f
 
 def tables(run: Run) -> None:
     """Find thresholds in three ways and drive forces in one; verify by simulation."""
-    wing = uqfold.problems.folding_wing()
-    run.problems({"wing": wing})
     simulation = run.choose(METHODS["conditional-mc"], QUICK)
-    evaluator = run.evaluator(wing)
+    evaluator = run.evaluator(WING)
     profiles = [(tau, m) for tau in (None, 0.04, 0.06) for m in (1, 5)]
     for name, method, seed in (
         ("threshold-by-surface", METHODS["kriging"], 0),
@@ -55,7 +55,7 @@ def tables(run: Run) -> None:
         ("threshold-by-ffni", METHODS["ffni-pearson"], 0),
     ):
         found = design_thresholds(
-            wing, TARGET, (0.54, 0.60), run.choose(profiles, profiles[:1]), method=method,
+            WING, TARGET, (0.54, 0.60), run.choose(profiles, profiles[:1]), method=method,
             rng=seed, evaluator=evaluator,
         )  # fmt: skip
         verify_by = simulation if name == "threshold-by-surface" else None
@@ -64,7 +64,7 @@ def tables(run: Run) -> None:
 
     found = [
         design_input(
-            wing, criterion, TARGET, "k_d", (530, 650), method=METHODS["kriging"], rng=0,
+            WING, criterion, TARGET, "k_d", (530, 650), method=METHODS["kriging"], rng=0,
             evaluator=evaluator,
         )
         for criterion in criteria(0.56, *run.choose(([None, 0.06], [1, 5]), (None, 1)))
@@ -124,4 +124,4 @@ def simulated(row: Mapping[str, Any], place: str) -> str:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

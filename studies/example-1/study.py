@@ -24,33 +24,32 @@ from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-6, 1e-12)
 
+PROBLEMS = {"series": uqfold.problems.series()}
 METHODS = {**FFNI, "mc": uqfold.methods.MonteCarlo()}
 NAMES = ("no-sync", "sync", "mc-no-sync", "mc-sync")
 
 
 def tables(run: Run) -> None:
     """Answer with FFNI and with Monte Carlo, without and with synchronization."""
-    problems = {"series": uqfold.problems.series()}
     spa, pearson, mc = ({label: METHODS[label]} for label in METHODS)
     tau = run.choose([12, 14, 16, 18, 20], [12, 16])
     missions = [1, 2, 3, 5, 8, 10]
     budget = [run.choose(2_000_000, 40_000)]
-    run.problems(problems)
 
     T = run.choose(steps(-8, 8, 1), [-4, 0, 4, 8])
-    run.compare("no-sync", problems, spa, criteria(T, None, missions))
+    run.compare("no-sync", PROBLEMS, spa, criteria(T, None, missions))
     T = run.choose(steps(-8, 8, 1), [0, 4])
-    run.compare("sync", problems, pearson, criteria(T, tau, [2, 5]))
+    run.compare("sync", PROBLEMS, pearson, criteria(T, tau, [2, 5]))
     T = run.choose(steps(-8, 8, 2), [0, 4])
-    run.compare("mc-no-sync", problems, mc, criteria(T, None, [1, 2, 5, 10]), budget)
-    run.compare("mc-sync", problems, mc, criteria(T, tau, [2, 5]), budget)
+    run.compare("mc-no-sync", PROBLEMS, mc, criteria(T, None, [1, 2, 5, 10]), budget)
+    run.compare("mc-sync", PROBLEMS, mc, criteria(T, tau, [2, 5]), budget)
 
 
 def page(run: Run) -> "uqfold.report.Page":
     """Show Tables 2 and 3, and Fig. 12."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(inputs_table(run, "series"), "Table 2: random inputs")
+    page.table(inputs_table(PROBLEMS["series"]), "Table 2: random inputs")
     page.table(evaluations_table(run, *NAMES), "Table 3: evaluations of the model")
     page.table(
         errors_table(run, *NAMES),
@@ -65,4 +64,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

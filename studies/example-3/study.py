@@ -29,34 +29,33 @@ from runner import Run, finish, main, new_page
 
 TOLERANCE = (0.02, 1e-5)
 
+WING = uqfold.problems.folding_wing()
+PROBLEMS = {"wing": WING}
 SPA, PEARSON = ({label: method} for label, method in FFNI.items())
 
 
 def tables(run: Run) -> None:
     """Answer with FFNI; then set correlated wings against independent ones."""
-    wing = uqfold.problems.folding_wing()
-    problems = {"wing": wing}
-    run.problems(problems)
     every = steps(0.53, 0.59, 0.0025)
     T = run.choose(every, [0.545, 0.56, 0.575])
-    run.compare("no-sync", problems, SPA, criteria(T, None, [1, 2, 5, 8, 10]))
+    run.compare("no-sync", PROBLEMS, SPA, criteria(T, None, [1, 2, 5, 8, 10]))
 
     T = run.choose(every, [0.545, 0.57])
     tau = run.choose([0.03, 0.035, 0.04, 0.045, 0.05], [0.03, 0.05])
-    run.compare("sync", problems, PEARSON, criteria(T, tau, [2, 5, 8, 10]))
+    run.compare("sync", PROBLEMS, PEARSON, criteria(T, tau, [2, 5, 8, 10]))
     tau = run.choose([0.03, 0.04, 0.05], [0.03, 0.05])
     planned = [Binomial(number, 0.5) for number in (2, 4, 6, 8, 10)]
-    run.compare("planned", problems, PEARSON, criteria(T, tau, planned))
+    run.compare("planned", PROBLEMS, PEARSON, criteria(T, tau, planned))
     flown = [Binomial(10, p) for p in (0.3, 0.5, 0.7, 0.9)]
-    run.compare("flown", problems, PEARSON, criteria(T, tau, flown))
+    run.compare("flown", PROBLEMS, PEARSON, criteria(T, tau, flown))
 
     found = independence(
-        wing,
+        WING,
         units=[2, 4, 6, 8],
         criteria=criteria(run.choose(every, [0.545, 0.56, 0.575])),
         method=FFNI["ffni-spa"],
         draws=run.choose(16_384, 256),
-        evaluator=run.evaluator(wing),
+        evaluator=run.evaluator(WING),
     )
     run.keep("independence", found, problem="wing", label="ffni-spa")
 
@@ -65,7 +64,7 @@ def page(run: Run) -> "uqfold.report.Page":
     """Show Tables 6 and 7, and Fig. 15."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(inputs_table(run, "wing"), "Table 6: random inputs")
+    page.table(inputs_table(WING), "Table 6: random inputs")
     page.table(
         evaluations_table(run, "no-sync", "sync"),
         "Table 7: evaluations of the model",
@@ -99,4 +98,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

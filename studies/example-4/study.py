@@ -43,12 +43,14 @@ PAIRS = {
 """Conditions -> thresholds (s) for FFNI, for the simulation, and of its reduced form."""
 
 
+PROBLEMS = {f"condition-{number}": paper.condition(number) for number in range(1, 11)}
+
+
 def tables(run: Run) -> None:
     """Answer every pair of conditions; look closer where they hardly differ."""
-    run.problems({f"condition-{number}": paper.condition(number) for number in range(1, 11)})
     for numbers, thresholds in PAIRS.items():
         paper.answer_pair(run, numbers, *thresholds)
-    pair = {f"condition-{number}": paper.condition(number) for number in (3, 4)}
+    pair = {name: PROBLEMS[name] for name in ("condition-3", "condition-4")}
     long = {"long simulation": uqfold.methods.ConditionalMonteCarlo(blocks=384)}
     budget = [run.choose(None, 3072)]
     run.compare("delta-plateau", pair, long, criteria(0.597, [0.03, 0.05], FLOWN), budget)
@@ -65,7 +67,7 @@ def scatter(run: Run) -> pd.DataFrame:
     method = paper.FFNI["ffni-pearson"]
     grid = criteria(*run.choose(([0.549, 0.6], [0.03, 0.05]), (0.549, 0.03)), FLOWN)
     for number in run.choose([9, 10], [10]):
-        problem = paper.condition(number)
+        problem = PROBLEMS[f"condition-{number}"]
         plain = method.estimate(problem, grid, rng=0, evaluator=run.evaluator(problem)).to_frame()
         for relative in run.choose([1e-6, 1e-3, 1e-2], [1e-2]):
             nudged = [
@@ -107,7 +109,7 @@ def page(run: Run) -> "uqfold.report.Page":
     """Show Table 8, the evaluations, and Fig. 16."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(paper.changed_inputs(run, range(1, 11)), "Table 8: the conditions")
+    page.table(paper.changed_inputs(range(1, 11)), "Table 8: the conditions")
     page.table(
         paper.evaluations_table(run, "V_q-no-sync", "V_q-sync", "V_q-check"),
         "Evaluations of each method",
@@ -118,4 +120,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

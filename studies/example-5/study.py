@@ -42,9 +42,11 @@ PAIRS = {
 """Conditions -> thresholds (s) for FFNI, for the simulation, and of its reduced form."""
 
 
+PROBLEMS = {f"condition-{number}": paper.condition(number) for number in range(11, 21)}
+
+
 def tables(run: Run) -> None:
     """Answer every pair of conditions; run the last one with the same random numbers besides."""
-    run.problems({f"condition-{number}": paper.condition(number) for number in range(11, 21)})
     for numbers, thresholds in PAIRS.items():
         paper.answer_pair(run, numbers, *thresholds)
     T = run.choose(steps(0.51, 0.60, 0.005), [0.555, 0.57])
@@ -56,7 +58,7 @@ def tables(run: Run) -> None:
 def keep_differences(run: Run, name: str, grid: uqfold.Criteria) -> None:
     """Keep R of condition 19 less R of condition 20, from the same random numbers."""
     draws = run.choose(8000, 12)
-    first, second = paper.condition(19), paper.condition(20)
+    first, second = PROBLEMS["condition-19"], PROBLEMS["condition-20"]
     found = paired_differences(first, second, grid, draws, rng=0)
     frame = found.to_frame().drop(columns=["pf", "pf_other"])
     frame.insert(3, "draws", draws)
@@ -68,7 +70,7 @@ def page(run: Run) -> "uqfold.report.Page":
     """Show Table 9, the evaluations, and Fig. 17."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(paper.changed_inputs(run, range(11, 21)), "Table 9: the conditions")
+    page.table(paper.changed_inputs(range(11, 21)), "Table 9: the conditions")
     page.table(
         paper.evaluations_table(run, "V_q-no-sync", "V_q-sync", "V_q-check"),
         "Evaluations of each method",
@@ -79,4 +81,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

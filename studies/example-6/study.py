@@ -41,11 +41,13 @@ from runner import Run, finish, main, new_page
 TOLERANCE = (1e-3, 1e-6)
 
 
+WING = uqfold.problems.folding_wing_random_lengths()
+PROBLEMS = {"wing": WING, "example-3": uqfold.problems.folding_wing()}
+
+
 def tables(run: Run) -> None:
     """Answer with FFNI and by simulation; scan what the text leaves open."""
-    wing = uqfold.problems.folding_wing_random_lengths()
-    run.problems({"wing": wing, "example-3": uqfold.problems.folding_wing()})
-    problems = {"wing": wing}
+    problems = {"wing": WING}
     spa, pearson, simulation = ({label: METHODS[label]} for label in METHODS)
     every = steps(0.33, 0.40, 0.0025)
     T, missions = run.choose((every, [1, 2, 5, 8, 10]), ([0.36, 0.37], [2, 10]))
@@ -58,12 +60,12 @@ def tables(run: Run) -> None:
         T = [0.355, 0.36, 0.365, 0.37, 0.375, 0.38, 0.395]
         run.compare("check", problems, simulation, criteria(T, [None, *tau], [2, 5, 10]))
     found = independence(
-        wing,
+        WING,
         units=run.choose([2, 4, 6, 8], [2, 8]),
         criteria=criteria(run.choose(every, [0.36, 0.37])),
         method=FFNI["ffni-spa"],
         draws=run.choose(4_096, 256),
-        evaluator=run.evaluator(wing),
+        evaluator=run.evaluator(WING),
     )
     run.keep("independence", found, problem="wing", label="ffni-spa")
     run.keep("lock-scan", lock_scan(run))
@@ -78,12 +80,8 @@ def lock_scan(run: Run) -> pd.DataFrame:
     rows = []
     angles = run.choose([-3, -2, -1, 0, 1, 2, 5, 10, 20], [0, 5])
     locks = run.choose(steps(0.3, 2.7, 0.1), [1.0, 2.0])
-    problems = {
-        "wing": uqfold.problems.folding_wing_random_lengths(),
-        "example-3": uqfold.problems.folding_wing(),
-    }
-    for name, angle, lock in product(problems, angles, locks):
-        ideal, means = problems[name].low_fidelity, problems[name].inputs.means
+    for name, angle, lock in product(PROBLEMS, angles, locks):
+        ideal, means = PROBLEMS[name].low_fidelity, PROBLEMS[name].inputs.means
         try:
             wing = ideal.parameters.replace(theta_1_initial=math.radians(angle), x_lock=lock)
         except ValueError:
@@ -98,7 +96,7 @@ def page(run: Run) -> "uqfold.report.Page":
     """Show Table 10, the evaluations, and Fig. 18."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(inputs_table(run, "wing"), "Table 10: random inputs")
+    page.table(inputs_table(WING), "Table 10: random inputs")
     page.table(evaluations_table(run, "no-sync", "sync", "check"), "Evaluations of each method")
     page.section("Figures")
     page.figure(
@@ -126,4 +124,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

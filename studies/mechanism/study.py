@@ -23,7 +23,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-3, 1e-3)
-
+PROBLEMS: dict[str, uqfold.Problem] = {}
 
 COLUMNS = [
     "time", "theta_1", "x_B", "y_B", "x_C", "y_C",
@@ -76,4 +76,4 @@ def page(run: Run) -> "uqfold.report.Page":
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

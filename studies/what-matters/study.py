@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import uqfold
@@ -32,6 +33,8 @@ from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-3, 1e-9)
 
+WING = uqfold.problems.folding_wing()
+PROBLEMS = {"wing": WING}
 KRIGING = uqfold.methods.Kriging()
 CHAOS = uqfold.methods.PolynomialChaos(runs=200)
 BOTH = ("on-surface", "simulated")
@@ -39,21 +42,19 @@ BOTH = ("on-surface", "simulated")
 
 def tables(run: Run) -> None:
     """Find indices and derivatives, each in two ways."""
-    wing = uqfold.problems.folding_wing()
-    run.problems({"wing": wing})
-    how = {"rng": 0, "evaluator": run.evaluator(wing)}
-    keep(run, "sobol-chaos", "pce", chaos_sobol(wing, CHAOS, **how))
+    how = {"rng": 0, "evaluator": run.evaluator(WING)}
+    keep(run, "sobol-chaos", "pce", chaos_sobol(WING, CHAOS, **how))
     samples = run.choose(1024, 64)
-    keep(run, "sobol-pick-freeze", "pick-freeze", pick_freeze(wing, samples, 8, **how))
+    keep(run, "sobol-pick-freeze", "pick-freeze", pick_freeze(WING, samples, 8, **how))
 
     T, tau, missions = [0.55, 0.56, 0.57, 0.58], run.choose([None, 0.04], None), [1, 5]
     found = surface_derivatives(
-        wing, criteria(T, tau, missions), KRIGING, inputs=run.choose(None, ["k_d"]), **how
+        WING, criteria(T, tau, missions), KRIGING, inputs=run.choose(None, ["k_d"]), **how
     )
     keep(run, "on-surface", "kriging", found)
     T = run.choose([0.55, 0.56, 0.57], 0.55)
     systems = run.choose(150_000, 2_000)
-    found = score_derivatives(wing, criteria(T, tau, run.choose(missions, 1)), systems, **how)
+    found = score_derivatives(WING, criteria(T, tau, run.choose(missions, 1)), systems, **how)
     keep(run, "simulated", "mc", found)
 
 
@@ -98,7 +99,7 @@ def page(run: Run) -> "uqfold.report.Page":
     indices = run.rows("sobol-chaos", "sobol-pick-freeze")
     one = run.rows(*BOTH, missions="1", threshold=0.57)
     page.section("Tables")
-    page.table(inputs_table(run, "wing"), "Random inputs")
+    page.table(inputs_table(WING), "Random inputs")
     page.table(
         agreement(indices, "index", "std_error"),
         "Sobol' indices of the deployment time",
@@ -133,8 +134,7 @@ def page(run: Run) -> "uqfold.report.Page":
             "intervals of 95 %.",
             name=f"derivatives-{words.replace(' ', '-')}",
         )
-    over = plots.derivatives_over_threshold
-    moments = [partial(over, moment="mean"), partial(over, moment="standard deviation")]
+    moments = [partial(over_threshold, moment=one) for one in ("mean", "standard deviation")]
     page.figure(
         by_tau(run.rows("on-surface", missions="1"), moments),
         "From the body into the tail, one mission, on the surface",
@@ -151,14 +151,22 @@ def by_tau(rows: pd.DataFrame, draws: Sequence[Callable[..., Any]]) -> Figure:
         for axes, own in zip(row, (rows["tau"].isna(), rows["tau"].notna()), strict=True):
             draw(rows[own], ax=axes)
             axes.label_outer()
-            if (legend := axes.get_legend()) is not None:
-                legend.remove()
-    for axes, title in zip(grid[0], ("no $\\tau$", "$\\tau$ = 0.04 s"), strict=True):
+    for axes, title in zip(grid[0], ("no tau", "tau = 0.04 s"), strict=True):
         axes.set_title(title)
-    handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    plots.one_legend(figure)
     return figure
 
 
+def over_threshold(rows: pd.DataFrame, moment: str, ax: Axes) -> None:
+    """Draw relative changes of pf per standard deviation over T, with intervals of 95 %."""
+    own = rows[rows["moment"] == moment]
+    value, half = own["per_std"], 1.96 * own["per_std_error"]
+    frame = own.assign(
+        series=own["input"], x=own["threshold"], y=value, low=value - half, high=value + half
+    )
+    label = f"relative change of pf\nby the {moment}"
+    plots.points(frame, "threshold T (s)", label, limits={"-": 0.0}, ax=ax)
+
+
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

@@ -19,9 +19,11 @@ processor; `--redraw` draws from the tables in seconds.
 
 import math
 import sys
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
+from matplotlib.figure import Figure
 
 import uqfold
 from uqfold import criteria, methods, plots
@@ -78,7 +80,6 @@ ROWS = [
 
 def tables(run: Run) -> None:
     """Ask every method on every problem, with every budget and seed."""
-    run.problems(PROBLEMS)
     groups = [
         (SIMPLE, [100, 375, 1125, 10_000], 20, [*GRIDS]),
         (SURROGATES, [100, 375], 10, [*GRIDS]),
@@ -127,11 +128,31 @@ def page(run: Run) -> "uqfold.report.Page":
     for synchronized, decades in ((False, [-2, -4, -6]), (True, [-2, -3, -4])):
         words = "with synchronization" if synchronized else "without synchronization"
         page.figure(
-            plots.benchmark_panels(summary[summary["synchronized"] == synchronized], decades),
+            error_panels(summary[summary["synchronized"] == synchronized], decades),
             f"Error against evaluations, {words}",
+            "Root mean square errors of pf, Eq. (49), by decade of the reference. The dashed line "
+            "is what crude Monte Carlo would have.",
             name=f"errors-{words.replace(' ', '-')}",
         )
     return finish(page, run, METHODS)
+
+
+def error_panels(summary: pd.DataFrame, decades: list[int]) -> Figure:
+    """Draw errors over evaluations: decades of pf below each other, problems side by side."""
+    figure = Figure(figsize=(7.1, 5.6), layout="constrained")
+    grid = figure.subplots(len(decades), len(GRIDS), sharex=True, sharey=True)
+    for axes, (decade, problem) in zip(grid.flat, product(decades, GRIDS), strict=True):
+        own = summary[(summary["decade"] == decade) & (summary["problem"] == problem)]
+        found = own.assign(series=own["label"], x=own["n_evals"], y=own["rms"].clip(1e-5, 10.0))
+        simple = found.assign(series="reference", y=own["monte_carlo_rms"])
+        rows = pd.concat([found, simple])[["series", "x", "y"]]
+        plots.points(rows, "evaluations", f"pf 1e{decade} to 1e{decade + 1}", log="xy", ax=axes)
+        axes.set(title=problem, xlim=(20, 20_000), ylim=(8e-6, 10.0))
+        axes.label_outer()
+    for axes in grid[1:].flat:
+        axes.set_title("")
+    plots.one_legend(figure)
+    return figure
 
 
 def ranking(summary: pd.DataFrame) -> pd.DataFrame:
@@ -180,4 +201,4 @@ def percent(value: float) -> str:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

@@ -1,4 +1,4 @@
-"""Figures of analyses and benchmarks: everything asked for is drawn, where it belongs."""
+"""Figures of analyses: everything asked for is drawn, where it belongs."""
 
 import math
 from typing import Any
@@ -61,15 +61,6 @@ def test_derivatives_method_beside_method() -> None:
     assert legend(axes) == ["kriging", "mc"]
 
 
-def test_derivatives_over_the_threshold() -> None:
-    own = DERIVATIVES[DERIVATIVES["label"] == "kriging"].iloc[::-1]
-    axes = plots.derivatives_over_threshold(own, "mean")
-    assert axes.get_legend_handles_labels()[1] == ["b", "a"]
-    drawn = [list(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) == 2]
-    assert [-2.0, -4.0] in drawn
-    assert "by the mean" in axes.get_ylabel()
-
-
 def test_designs_at_both_places_and_where_there_is_none() -> None:
     left, right = plots.design(pd.DataFrame([FOUND, NOTHING])).axes
     assert "met nowhere" in [text.get_text() for text in left.texts]
@@ -77,7 +68,7 @@ def test_designs_at_both_places_and_where_there_is_none() -> None:
     assert {0.00104, 0.0007, 1e-3} <= drawn
     assert left.get_xlabel() == "smallest threshold on y (s)"
     labels = [tick.get_text() for tick in left.get_yticklabels()]
-    assert labels == ["no $\\tau$, $m$ = 1", "$\\tau$ = 0.04, $m$ = 5"]
+    assert labels == ["1 mission", "tau = 0.04, 5 missions"]
 
 
 def test_correlated_against_independent_units() -> None:
@@ -91,7 +82,7 @@ def test_correlated_against_independent_units() -> None:
     figure = plots.independence_panels(table)
     body, gap, tail = figure.axes
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [
-        "$n$ = 2", "$n$ = 8", "correlated", "independent", "sampled, ± 2 s.e.",
+        "2 units", "8 units", "correlated", "independent", "sampled, ± 2 s.e.",
     ]  # fmt: skip
     assert [line.get_ydata().tolist() for line in tail.lines] == [
         [0.2, 0.05], [0.21, 0.06], [0.5, 0.1], [0.6, 0.15],
@@ -109,36 +100,18 @@ def test_importance_with_and_without_the_common_cause() -> None:
     axes = plots.importance(table, "risk_reduction_worth")
     assert [tick.get_text() for tick in axes.get_yticklabels()] == ["a", "b"]
     assert legend(axes) == [
-        "$T$ = 1, $m$ = 3", "$T$ = 2, $m$ = 3", "causes shared", "as if independent",
+        "T = 1, 3 missions", "T = 2, 3 missions", "causes shared", "as if independent",
     ]  # fmt: skip
     drawn = [line.get_xdata() for line in axes.lines]
     np.testing.assert_array_equal(drawn, [[2.0, math.nan], [2.5, 1.1], [1.5, 4.0], [1.6, 9.0]])
 
 
-def summary() -> pd.DataFrame:
-    rows = [
-        {"label": label, "method": label, "problem": "toy", "decade": decade, "answers": 4,
-         "n_evals": budget, "rms": error, "monte_carlo_rms": 1.0, "judged": label != "mc"}
-        for label, error in (("kriging", 0.01), ("mc", 0.3))
-        for budget in (100.0, 1125.0)
-        for decade in (-2, -4)
-    ]  # fmt: skip
-    return pd.DataFrame(rows)
-
-
-def test_errors_over_budgets() -> None:
-    figure = plots.benchmark_panels(summary(), [-2, -4])
-    assert len(figure.axes) == 2
-    drawn = [line.get_xdata().tolist() for line in figure.axes[0].lines if line.get_marker() == "P"]
-    assert [100.0, 1125.0] in drawn
-    assert not any(axes.texts for axes in figure.axes)
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert texts[-1] == "not beyond the reference's error"
-    with pytest.raises(ValueError, match="no reference lies"):
-        plots.benchmark_panels(summary(), [-9])
-    # where one decade of several was not asked, the panel says so
-    empty = plots.benchmark_panels(summary(), [-2, -9]).axes[1]
-    assert [text.get_text() for text in empty.texts] == ["not asked"]
+def test_panels_share_one_legend() -> None:
+    axes = plots.derivatives(DERIVATIVES[DERIVATIVES["threshold"] == 2.0])
+    plots.one_legend(axes.figure)
+    assert axes.get_legend() is None
+    (below,) = axes.figure.legends
+    assert [text.get_text() for text in below.get_texts()] == ["kriging", "mc"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 import uqfold
 from uqfold import plots
 from uqfold.plots.curves import PROBLEM_COLORS
-from uqfold.plots.rows import value_text
+from uqfold.plots.wording import value_text
 
 T = np.array([0.5, 0.55, 0.6])
 PF = {"one": {"2": 0.5 * 10.0 ** -(40 * (T - 0.5)), "5": 0.9 * 10.0 ** -(40 * (T - 0.5))}}
@@ -78,7 +78,7 @@ def test_marks_carry_their_intervals_in_the_colour_of_their_problem() -> None:
 
 
 def test_legend_names_problems_curves_marks_and_arrows() -> None:
-    texts = ["one", "two", "$m$ = 2", "$m$ = 5", "simulation, 95 %"]
+    texts = ["one", "two", "2 missions", "5 missions", "simulation, 95 %"]
     assert legend(draw()) == texts
     assert legend(draw(CURVES, parts=("pf",))) == texts[:4]
     none = MARKS.assign(pf=0.0, ci_low=0.0)
@@ -129,7 +129,7 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         draw(MARKS)
     with pytest.raises(ValueError, match="at most 2 problems"):
         draw(CURVES, one.assign(problem="three"))
-    with pytest.raises(ValueError, match="it has no column 'error'"):
+    with pytest.raises(ValueError, match="frame has no column 'error'"):
         draw(CURVES.drop(columns="error"))
     with pytest.raises(ValueError, match="quantities"):
         draw(parts=("pdf",))
@@ -159,7 +159,7 @@ def test_curve_and_reference_of_a_comparison(frame: pd.DataFrame) -> None:
     np.testing.assert_allclose(drawn["--"].get_ydata(), own["reference_pf"])
     low, high = axes.get_ylim()
     assert low < own["pf"].min() < own["pf"].max() < high
-    assert axes.get_xlabel() == "threshold $T$ on Y"
+    assert axes.get_xlabel() == "threshold T on Y"
 
 
 def test_estimates_that_nobody_calls_a_check_have_their_intervals(frame: pd.DataFrame) -> None:
@@ -181,7 +181,7 @@ def test_a_label_of_its_own_keeps_the_colour_of_its_method(frame: pd.DataFrame) 
 def test_one_panel_per_value_and_one_scale(frame: pd.DataFrame) -> None:
     own = frame[frame["label"] == "ffni-pearson"]
     axes = plots.reliability_panels(own, ["pf"], curves="tau", panels="missions").axes
-    assert [one.get_title() for one in axes] == ["$m$ = 1", "$N_t$ = 10, $p_m$ = 0.5"]
+    assert [one.get_title() for one in axes] == ["1 mission", "missions ~ binomial(10, 0.5)"]
     assert len({one.get_ylim() for one in axes}) == 1
 
 
@@ -202,11 +202,11 @@ def test_errors_that_the_reference_cannot_judge_are_hollow(frame: pd.DataFrame) 
 @pytest.mark.parametrize(
     ("column", "value", "text"),
     [
-        ("missions", "5", "$m$ = 5"),
-        ("missions", "binomial(10, 0.7)", "$N_t$ = 10, $p_m$ = 0.7"),
-        ("tau", 0.04, "$\\tau$ = 0.04 s"),
-        ("tau", None, "no $\\tau$"),
-        ("units", 4, "$n$ = 4"),
+        ("missions", "5", "5 missions"),
+        ("missions", "binomial(10, 0.7)", "missions ~ binomial(10, 0.7)"),
+        ("tau", 0.04, "tau = 0.04 s"),
+        ("tau", None, "no tau"),
+        ("units", 4, "4 units"),
         ("label", "mc", "mc"),
     ],
 )

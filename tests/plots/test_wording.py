@@ -5,7 +5,6 @@ import math
 import pytest
 
 from uqfold.plots.wording import (
-    count_text,
     criterion_text,
     percent,
     reference_resolution,
@@ -67,21 +66,6 @@ def test_percent(value: float, shown: str) -> None:
 )
 def test_seconds(value: float, shown: str) -> None:
     assert seconds_text(value) == shown
-
-
-@pytest.mark.parametrize(
-    ("value", "long", "short"),
-    [
-        (75, "75", "75"),
-        (40_000, "40,000", "40,000"),
-        (400_000, "400,000", "400k"),
-        (1_455_088, "1,455,088", "1.46M"),
-        (2_000_000_000, "2,000,000,000", "2G"),
-    ],
-)
-def test_counts(value: int, long: str, short: str) -> None:
-    assert count_text(value) == long
-    assert count_text(value, short=True) == short
 
 
 @pytest.mark.parametrize(

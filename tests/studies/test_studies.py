@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
+import uqfold
 from uqfold import plots
 from uqfold.report import Page
 
@@ -42,8 +43,8 @@ def loaded(folder: Path) -> ModuleType:
 def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
     # a store of its own: nothing that an earlier run left is taken for a fresh result
     study = loaded(folder)
-    store = tmp_path / "evaluations.db"
-    kept = runner.read_run(folder)
+    store = uqfold.evaluation.Store(tmp_path / "evaluations.db")
+    kept = runner.read_run(folder, study.PROBLEMS)
     assert runner.differences(kept, study.tables, study.TOLERANCE, store) == []
 
 
@@ -62,7 +63,8 @@ def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str
         return figures[-1]
 
     monkeypatch.setattr(plots, "reliability_panels", kept)
-    page = loaded(folder).page(runner.read_run(folder))
+    study = loaded(folder)
+    page = study.page(runner.read_run(folder, study.PROBLEMS))
     named = page.pictures
     return page, {name: asked[id(one)] for name, one in named.items() if id(one) in asked}
 
@@ -71,7 +73,7 @@ def shown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Page, dict[str
 def test_committed_tables_are_small_and_all_read(folder: Path) -> None:
     """Repeated runs are kept as one row per case, not one row per seed."""
     sizes = {path.stem: path.stat().st_size for path in folder.glob("results/*.csv")}
-    assert set(sizes) == set(runner.read_run(folder).tables)
+    assert set(sizes) == set(runner.read_run(folder, {}).tables)
     assert max(sizes.values()) < 150_000
 
 
@@ -174,7 +176,7 @@ def test_a_study_runs_redraws_and_checks_itself(
 
     def run(option: str) -> None:
         monkeypatch.setattr(sys, "argv", ["study.py", option])
-        runner.main(str(script), study.tables, study.page, study.TOLERANCE)
+        runner.main(str(script), study.PROBLEMS, study.tables, study.page, study.TOLERANCE)
 
     monkeypatch.setattr(runner, "STORE", tmp_path / "evaluations.db")
     run("--quick")
@@ -186,7 +188,7 @@ def test_a_study_runs_redraws_and_checks_itself(
         (said,) = capsys.readouterr().err.splitlines()
         assert "there is no results/record.json: run it in full first" in said
     (tmp_path / ".quick" / "example-1").rename(script.parent)
-    assert runner.read_run(script.parent).record["quick"] is True
+    assert runner.read_run(script.parent, {}).record["quick"] is True
     assert len(list(script.parent.glob("figures/*.png"))) == 5
     report = script.parent / "report.md"
     drawn = report.read_text()
@@ -203,7 +205,7 @@ def test_a_study_runs_redraws_and_checks_itself(
         run("--check")
     assert ended.value.code == 1
     assert "not among the committed rows" in capsys.readouterr().out
-    kept = runner.read_run(script.parent)
+    kept = runner.read_run(script.parent, study.PROBLEMS)
     kept.tables.pop("sync")
-    found = runner.differences(kept, study.tables, study.TOLERANCE, tmp_path / "evaluations.db")
-    assert "sync: not among the committed tables" in found
+    found = runner.differences(kept, study.tables, study.TOLERANCE)
+    assert "sync: not among both committed and fresh tables" in found

@@ -6,15 +6,13 @@ interval, so that a reader sees whether they agree.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.checks import choice
 from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below, mark
-from uqfold.plots.rows import checked, distinct, having, response_of, value_text
+from uqfold.plots.rows import checked, distinct, having
 from uqfold.plots.style import (
     COLUMN_INCHES,
     REFERENCE_LINE,
@@ -22,6 +20,7 @@ from uqfold.plots.style import (
     figure_settings,
     method_styles,
 )
+from uqfold.plots.wording import response_of, value_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,39 +113,6 @@ def derivatives(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
 
 
 @figure_settings()
-def derivatives_over_threshold(table: pd.DataFrame, moment: str, ax: Axes | None = None) -> Axes:
-    """Draw relative changes of pf per standard deviation over T, one curve per input.
-
-    Parameters
-    ----------
-    table
-        As in `derivatives`, rows of one method, one tau and one number of missions.
-    moment
-        ``mean`` or ``standard deviation``: by which parameter of the inputs.
-    ax
-        Where to draw; None makes a figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    choice("moment", moment, MOMENTS)
-    frame = having(checked("table", table, DERIVATIVE_NEEDS), "moment", moment)
-    axes = axes_or_new(ax)
-    axes.axhline(0.0, color=SOFT_COLOR, linewidth=0.8)
-    for name, look in method_styles(distinct(frame, "input")).items():
-        own = having(frame, "input", name).sort_values("threshold")
-        axes.errorbar(
-            own["threshold"], own["per_std"], yerr=REACH * own["per_std_error"], capsize=2.0,
-            elinewidth=0.9, color=look.color, marker=look.marker, label=name,
-        )  # fmt: skip
-    unit = response_of(frame)[1]
-    axes.set_xlabel(f"threshold $T${f' ({unit})' if unit else ''}")
-    axes.set_ylabel(f"relative change of pf\nby the {moment}")
-    return axes
-
-
-@figure_settings()
 def design(table: pd.DataFrame) -> Figure:
     """Draw design values with intervals, and pf by simulation at the value and at the safe value.
 
@@ -210,9 +176,6 @@ def design(table: pd.DataFrame) -> Figure:
 
 
 def case_text(row: Mapping[Any, Any], unit: str) -> str:
-    """Return the criterion of a row in words; NaN as threshold is one that is designed."""
-    tau = None if math.isnan(row["tau"]) else row["tau"]
-    words = [value_text("tau", tau, unit), value_text("missions", row["missions"], "")]
-    if not math.isnan(row["threshold"]):
-        words.insert(0, value_text("threshold", row["threshold"], unit))
-    return ", ".join(words)
+    """Return the criterion of a row in words, without a threshold that is designed (NaN)."""
+    asked = [name for name in ("threshold", "tau", "missions") if row[name] == row[name]]
+    return ", ".join(value_text(name, row[name], unit) for name in asked)

@@ -11,7 +11,6 @@ import numpy as np
 from uqfold.plots.panels import key, mark
 from uqfold.plots.style import (
     BAND_COLOR,
-    HEADER,
     REFERENCE_LINE,
     SOFT_COLOR,
     MethodStyle,
@@ -22,10 +21,10 @@ from uqfold.plots.telling import gid, tell
 from uqfold.plots.wording import (
     REFERENCE_STANDARD_ERRORS,
     answers_of,
-    count_text,
     in_figure,
     percent,
     probability,
+    threshold_label,
 )
 
 if TYPE_CHECKING:
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
 
 WIDTH_INCHES = 8.4
 REFERENCE = "the reference"
+MEDIAN = "the median of the methods"
 ABREAST = 3
 """Panels side by side; further ones stand below."""
 SMALLEST_PF = 1e-16
@@ -51,8 +51,8 @@ def comparison(frame: pd.DataFrame) -> Figure:
 
     On top stands pf over the threshold, the reference with its band; below it one narrow row per
     method: pf over that of the reference, with the interval that the method states itself. There
-    is a column for each tau and number of missions. Without references the methods are measured
-    by the one with the narrowest intervals. Under a single threshold there is one line per method.
+    is a column for each tau and number of missions. Without references several methods are measured
+    by their median. Under a single threshold there is one line per method.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def comparison(frame: pd.DataFrame) -> Figure:
     spread = _spread(answers) if by else math.inf
     answers = _placed(answers, spread**1.04).sort_values("threshold", kind="stable")
     styles = method_styles(answers["label"].unique())
-    drawing = _Drawing(answers, styles, by, spread, frame.attrs.get(HEADER, {}))
+    drawing = _Drawing(answers, styles, by, spread, threshold_label(frame))
     panels = list(answers["panel"].unique())
     blocks = math.ceil(len(panels) / ABREAST)
     height, draw = 2.4 + (0.5 * len(styles) if by else 0.6), drawing.curves
@@ -86,34 +86,28 @@ def comparison(frame: pd.DataFrame) -> Figure:
         draw(part, panels[k * abreast : (k + 1) * abreast], abreast)
     if handles := drawing.handles():
         figure.legend(handles=handles, loc="outside lower left", ncols=len(handles))
-    title = f"methods against {in_figure(by)}" if by else "failure probability"
-    without = ", without a reference" if by not in ("", REFERENCE) else ""
-    figure.suptitle(f"{problem}: {title}{without}", x=0.01, ha="left", fontweight="bold")
+    title = f"methods against {by}" if by else "failure probability"
+    figure.suptitle(f"{problem}: {title}", x=0.01, ha="left", fontweight="bold")
     return figure
 
 
 def measured(answers: pd.DataFrame) -> tuple[pd.DataFrame, str]:
     """Return answers beside what they are measured by, and its name.
 
-    That is the reference, or else the method with the narrowest intervals: its pf, and the lower
-    and the upper end of it, are the columns ``level``, ``level_low`` and ``level_high``. Where
-    there is neither, the level is 1 and the name empty.
+    That is the reference, or else the median of several methods: its pf, and the lower and the
+    upper end of it, are the columns ``level``, ``level_low`` and ``level_high``. Where there is
+    neither, the level is 1 and the name empty.
     """
-    names = ["level", "level_low", "level_high"]
     known = answers["reference_pf"].where(answers["reference_pf"] > SMALLEST_PF)
-    if known.notna().any():
-        half = REFERENCE_STANDARD_ERRORS * answers["reference_std_error"]
-        low, high = np.maximum(known - half, SMALLEST_PF), np.minimum(known + half, 1.0)
-        return answers.assign(level=known, level_low=low, level_high=high), REFERENCE
-    positive = answers[answers["pf"] > SMALLEST_PF]
-    width = (positive["ci_high"] - positive["ci_low"]) / positive["pf"]
-    widths = width[width > 0.0].groupby(positive["label"], sort=False).agg(["size", "median"])
-    if widths.empty or answers["label"].nunique() == 1:
-        return answers.assign(level=1.0, level_low=math.nan, level_high=math.nan), ""
-    best = str(widths.sort_values(["size", "median"], ascending=[False, True]).index[0])
-    criterion = ["threshold", "tau", "missions"]
-    own = positive.loc[positive["label"] == best, [*criterion, "pf", "ci_low", "ci_high"]]
-    return answers.merge(own.set_axis([*criterion, *names], axis=1), "left", criterion), best
+    half = REFERENCE_STANDARD_ERRORS * answers["reference_std_error"]
+    low, high = np.maximum(known - half, SMALLEST_PF), np.minimum(known + half, 1.0)
+    level, by = known, REFERENCE
+    if known.isna().all():
+        positive = answers["pf"].where(answers["pf"] > SMALLEST_PF)
+        level, by = positive.groupby(answers["criterion"]).transform("median"), MEDIAN
+        if answers["label"].nunique() == 1 or level.isna().all():
+            level, by = 1.0, ""
+    return answers.assign(level=level, level_low=low, level_high=high), by
 
 
 def _spread(answers: pd.DataFrame) -> float:
@@ -141,13 +135,13 @@ def _placed(answers: pd.DataFrame, room: float) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class _Drawing:
-    """What all panels share: answers, looks, by what they are measured, the largest ratio."""
+    """What all panels share: answers, looks, what measures them, the largest ratio, name of T."""
 
     answers: pd.DataFrame
     styles: dict[str, MethodStyle]
     by: str
     spread: float
-    header: dict[str, Any]
+    threshold: str
 
     def curves(self, part: SubFigure, panels: list[str], abreast: int) -> None:
         """Draw panels side by side: pf over the threshold, below it the ratios of every method."""
@@ -160,9 +154,6 @@ class _Drawing:
             axes.set_axis_off()
         for axes in grid[:-1].flat:
             axes.tick_params(axis="x", bottom=False)
-        unit = self.header.get("response_unit", "")
-        response = in_figure(self.header.get("response", "response"))
-        said = f"threshold T on {response}{f' ({in_figure(unit, 12)})' if unit else ''}"
         for column, panel in zip(grid.T, panels, strict=False):
             own = self.answers[self.answers["panel"] == panel]
             column[0].set_title(in_figure(panel, 48), loc="left")
@@ -171,7 +162,7 @@ class _Drawing:
                 axes.set_gid(gid(method=label, criterion=panel))
                 self.ratios(axes, own[own["label"] == label])
             column[-1].locator_params(axis="x", nbins=5 if abreast < ABREAST else 4)
-            column[-1].set_xlabel(said)
+            column[-1].set_xlabel(self.threshold)
         grid[0, 0].set_ylabel("failure probability pf")
         for row, label in zip(grid[1:], below, strict=True):
             row[0].set_ylabel(in_figure(label), rotation=0, ha="right", va="center")
@@ -180,7 +171,7 @@ class _Drawing:
                 fontsize=7.5, color=SOFT_COLOR,
             )  # fmt: skip
         if self.by:
-            said = f"pf / pf of {in_figure(self.by)}"
+            said = f"pf / pf of {self.by}"
             grid[1, 0].set_title(said, loc="left", fontsize=8.0, color=SOFT_COLOR)
 
     def lines(self, part: SubFigure, panels: list[str], abreast: int) -> None:
@@ -192,10 +183,10 @@ class _Drawing:
             own = self.answers[self.answers["panel"] == panel]
             first = own.iloc[0]
             axes.set_gid(gid(criterion=panel))
-            axes.set_xlabel(f"pf / pf of {in_figure(self.by)}" if self.by else "pf")
+            axes.set_xlabel(f"pf / pf of {self.by}" if self.by else "pf")
             title = in_figure(first["criterion"], 48)
             if self.by:
-                title += f"\n{in_figure(self.by)}: pf = {probability(first['level'], 4)}"
+                title += f"\n{self.by}: pf = {probability(first['level'], 4)}"
                 low, high = (first[name] / first["level"] for name in ("level_low", "level_high"))
                 axes.axvspan(low, high, color=BAND_COLOR, linewidth=0.0, zorder=0.5)
                 axes.axvline(1.0, **REFERENCE_LINE)
@@ -284,7 +275,7 @@ class _Drawing:
         own = self.answers[self.answers["label"] == label]
         if own["pf"].isna().all():
             return _status(own)
-        said = f"{count_text(int(own['n_evals'].max()), short=True)} evaluations"
+        said = f"{own['n_evals'].max():,} evaluations"
         errors = own["error"].dropna()
         if errors.empty:
             return said
@@ -297,10 +288,10 @@ class _Drawing:
 
         found: list[Any] = []
         if self.by:
-            band = "its interval"
-            if self.by == REFERENCE:
-                band = f"its ± {REFERENCE_STANDARD_ERRORS:g} standard errors"
-            found = [key(in_figure(self.by), **REFERENCE_LINE), Patch(color=BAND_COLOR, label=band)]
+            found.append(key(self.by, **REFERENCE_LINE))
+        if self.by == REFERENCE:
+            band = f"its ± {REFERENCE_STANDARD_ERRORS:g} standard errors"
+            found.append(Patch(color=BAND_COLOR, label=band))
         if (self.answers["low"] + self.answers["high"]).notna().any():
             found.append(key("interval that the method states", color=SOFT_COLOR, linewidth=1.1))
         if ((self.answers["pf"] < SMALLEST_PF) & (self.answers["ci_high"] > SMALLEST_PF)).any():

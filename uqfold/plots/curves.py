@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from uqfold.checks import choice, instance, or_none, refused, several, text
-from uqfold.plots.panels import draw_judged, key, legend_below, mark, percent_axis, stacked
-from uqfold.plots.rows import checked, distinct, having, response_of, threshold_label, value_text
+from uqfold.plots.panels import key, legend_below, mark, percent_axis, stacked
+from uqfold.plots.rows import checked, distinct, having
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -23,6 +23,7 @@ from uqfold.plots.style import (
     method_styles,
     shades,
 )
+from uqfold.plots.wording import response_of, threshold_label, value_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -202,7 +203,12 @@ def _draw(
 ) -> None:
     """Draw one curve, its marks with intervals, and its reference."""
     if quantity == "error":
-        draw_judged(axes, rows["threshold"], rows["value"], _unjudged(rows), look)
+        axes.plot(rows["threshold"], rows["value"], color=look.color, linewidth=0.9)
+        for hollow, own in rows.groupby(_unjudged(rows)):
+            axes.plot(
+                own["threshold"], own["value"], look.marker, color=look.color, markersize=3.6,
+                markerfacecolor="white" if hollow else look.color, markeredgewidth=0.9,
+            )  # fmt: skip
         return
     if "band" in rows:
         low, high = rows["value"] - rows["band"], rows["value"] + rows["band"]

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from uqfold.plots.curves import limit_pf
 from uqfold.plots.panels import key, legend_below, mark, stacked
-from uqfold.plots.rows import checked, distinct, having, threshold_label, value_text
+from uqfold.plots.rows import checked, distinct, having
 from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles, shades
+from uqfold.plots.wording import threshold_label, value_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,8 +8,9 @@ import numpy as np
 
 from uqfold.checks import choice
 from uqfold.plots.panels import axes_or_new, draw_rows, mark
-from uqfold.plots.rows import checked, distinct, value_text
+from uqfold.plots.rows import checked, distinct
 from uqfold.plots.style import SOFT_COLOR, figure_settings, method_styles
+from uqfold.plots.wording import value_text
 
 if TYPE_CHECKING:
     import pandas as pd

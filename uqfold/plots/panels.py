@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from uqfold.checks import instance
+from uqfold.plots.saving import figure_of
 from uqfold.plots.style import COLUMN_INCHES, MethodStyle, figure_settings
 
 if TYPE_CHECKING:
@@ -56,6 +57,23 @@ def legend_below(figure: Figure, handles: Sequence[Any]) -> None:
         legend.remove()
 
 
+def one_legend(figure: Figure) -> None:
+    """Put one legend below the panels in the place of their own, with each name once.
+
+    Parameters
+    ----------
+    figure
+        A figure into whose axes functions of `uqfold.plots` have drawn.
+    """
+    named: dict[str, Any] = {}
+    for axes in figure_of(figure).axes:
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
+            named.setdefault(name, handle)
+        if axes.get_legend() is not None:
+            axes.get_legend().remove()
+    legend_below(figure, list(named.values()))
+
+
 def axes_or_new(ax: Axes | None, width: float = COLUMN_INCHES, height: float = 2.6) -> Axes:
     """Return the axes, or those of a new figure, by default as wide as a column of print."""
     from matplotlib.axes import Axes
@@ -78,14 +96,6 @@ def mark(label: str, hollow: bool = False, **look: Any) -> Any:
     """Return an entry of a legend that is a mark, filled or hollow."""
     face = {"markerfacecolor": "white"} if hollow else {}
     return key(label, **{"marker": "o", **look, **face, "linestyle": ""})
-
-
-def draw_judged(axes: Axes, x: Any, errors: Any, hollow: Any, style: MethodStyle) -> None:
-    """Draw a curve of errors whose marks are hollow where the reference cannot judge them."""
-    axes.plot(x, errors, "-", color=style.color, linewidth=0.9)
-    for chosen, face in ((~hollow, style.color), (hollow, "white")):
-        axes.plot(x[chosen], errors[chosen], style.marker, color=style.color, markersize=3.6,
-                  markerfacecolor=face, markeredgewidth=0.9)  # fmt: skip
 
 
 def draw_rows(

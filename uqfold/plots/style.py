@@ -1,8 +1,8 @@
 """Colours and markers of methods, the same in every figure, and readable without colour vision.
 
-Colours are those of Okabe and Ito, the pale ones darker, as lines on white paper have to be (WCAG 2.2
-asks for a contrast of 3), and without black, which is the reference; every method also has a marker
-of its own.
+Colours are those of Okabe and Ito without black, which is the reference, and with the pale ones
+darkened until their contrast with white paper is 3 (WCAG 2.2); every method also has a marker of
+its own.
 
 References
 ----------
@@ -27,14 +27,6 @@ class MethodStyle:
 
     color: str
     marker: str
-
-    @property
-    def pale(self) -> tuple[float, float, float]:
-        """The colour mixed with white, for large areas."""
-        from matplotlib.colors import to_rgb
-
-        red, green, blue = (1.0 - 0.3 * (1.0 - part) for part in to_rgb(self.color))
-        return red, green, blue
 
 
 _FIXED = {

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import instance
+from uqfold.plots.rows import checked
 from uqfold.plots.style import HEADER
 
 if TYPE_CHECKING:
@@ -42,15 +42,21 @@ def quantity(value: float, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
+def value_text(column: str, value: Any, unit: str) -> str:
+    """Write one value of a column as figures and reports call it, for instance ``tau = 0.04 s``."""
+    if column in ("threshold", "tau"):
+        name = "T" if column == "threshold" else column
+        return f"no {name}" if value is None else f"{name} = {quantity(value, unit)}"
+    if column in ("missions", "units") and str(value).isdecimal():
+        return f"{value} {column.removesuffix('s') if str(value) == '1' else column}"
+    return f"missions ~ {value}" if column == "missions" else str(value)
+
+
 def panel_text(key: tuple[float | None, str], unit: str) -> str:
     """Write tau and missions, for instance ``tau = 0.04 s, 5 missions``."""
     tau, missions = key
-    asked = [] if tau is None else [f"tau = {quantity(tau, unit)}"]
-    if missions.isdecimal():
-        asked.append("1 mission" if missions == "1" else f"{missions} missions")
-    else:
-        asked.append(f"missions ~ {missions}")
-    return ", ".join(asked)
+    asked = [] if tau is None else [value_text("tau", tau, unit)]
+    return ", ".join([*asked, value_text("missions", missions, unit)])
 
 
 def criterion_text(key: CriterionKey, unit: str) -> str:
@@ -104,16 +110,6 @@ def seconds_text(value: float) -> str:
     return f"{value:.1f} s" if value < 99.95 else f"{value:.0f} s"
 
 
-def count_text(value: int, *, short: bool = False) -> str:
-    """Write a number of evaluations: ``40,000``, or ``40.0k`` where room is short."""
-    if not short or value < 100_000:
-        return f"{value:,}"
-    for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
-        if value >= size:
-            return f"{value / size:.3g}{letter}"
-    raise AssertionError(value)
-
-
 def reference_resolution(row: Row) -> float:
     """Return the relative error below which the reference of a row cannot judge an estimate.
 
@@ -145,16 +141,21 @@ def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
     TypeError, ValueError
         If `frame` is not a frame of `uqfold.compare`, or has no rows.
     """
-    import pandas as pd
-
-    remedy = "give a frame that uqfold.compare returned"
-    instance("frame", frame, pd.DataFrame, remedy)
-    needed = ("problem", "label", "threshold", "pf", "error", "status")
-    missing = [one for one in needed if one not in frame.columns]
-    if missing:
-        raise ValueError(f"frame has no column {missing[0]!r}: {remedy}")
-    rows: list[dict[str, Any]] = frame.to_dict("records")
+    needs = ("problem", "label", "threshold", "pf", "error", "status")
+    rows: list[dict[str, Any]] = checked("frame", frame, needs).to_dict("records")
     return rows
+
+
+def response_of(frame: pd.DataFrame) -> tuple[str, str]:
+    """Return response and unit as the header of the comparison has them."""
+    header = frame.attrs.get(HEADER, {})
+    return header.get("response", "response"), header.get("response_unit", "")
+
+
+def threshold_label(frame: pd.DataFrame) -> str:
+    """Return the label of an axis of thresholds."""
+    response, unit = map(in_figure, response_of(frame))
+    return f"threshold T on {response}{f' ({unit})' if unit else ''}"
 
 
 def drawable(rows: Iterable[Row], column: str) -> bool:
@@ -170,7 +171,7 @@ def answers_of(frame: pd.DataFrame) -> pd.DataFrame:
     (the whole answer) say each row in words.
     """
     rows = comparison_rows(frame)
-    unit = frame.attrs.get(HEADER, {}).get("response_unit", "")
+    unit = response_of(frame)[1]
     answers = frame.assign(
         panel=[panel_text(panel_key(row), unit) for row in rows],
         criterion=[criterion_text(criterion_key(row), unit) for row in rows],
@@ -190,5 +191,5 @@ def answer_text(row: Row, unit: str) -> str:
         said.append(f"interval {ends}")
     if not math.isnan(row["error"]):
         said.append(f"error {percent(row['error'])}")
-    said.append(f"{count_text(row['n_evals_row'])} evaluations")
+    said.append(f"{row['n_evals_row']:,} evaluations")
     return "\n".join([*said, row["status"].replace("_", " ")])

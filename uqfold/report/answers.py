@@ -11,7 +11,6 @@ from uqfold.plots.wording import (
     NO_VALUE,
     Row,
     comparison_rows,
-    count_text,
     percent,
     probability,
     quantity,
@@ -125,7 +124,7 @@ def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
                 "largest": Cell(percent(row["largest_error"]), row["largest_error"]),
                 WITHIN: Cell(f"{row['right']} of {row['referenced']}", row["right"]),
                 "interval covers": covers,
-                "evaluations": Cell(count_text(row["n_evals"]), row["n_evals"]),
+                "evaluations": Cell(f"{row['n_evals']:,}", row["n_evals"]),
                 "time": Cell(seconds_text(row["seconds"]), row["seconds"]),
             }
         )
@@ -168,4 +167,4 @@ def _evaluations(row: Row) -> Cell:
     # what a method refuses costs nothing
     if row["status"] == "unsupported":
         return Cell(NO_VALUE, math.nan)
-    return Cell(count_text(row["n_evals_row"]), float(row["n_evals_row"]))
+    return Cell(f"{row['n_evals_row']:,}", float(row["n_evals_row"]))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from uqfold.plots.telling import gid
-from uqfold.plots.wording import count_text, percent, seconds_text
+from uqfold.plots.wording import percent, seconds_text
 from uqfold.report.answers import ERROR, STATUSES, UNCHECKED, WITHIN, methods_table
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import typeset
@@ -88,9 +88,8 @@ def _add_cost(page: Page, scores: pd.DataFrame) -> None:
     more = [f"{literal(best)}, {which}, took {seconds_text(seconds)}."]
     dearest = answering["n_evals"].idxmax()
     if answering["n_evals"][dearest] > evals:
-        most = count_text(answering["n_evals"][dearest])
-        more.append(f"The most: {literal(dearest)} with {most}.")
-    page.card(title, f"{count_text(int(evals))} evaluations", *more)
+        more.append(f"The most: {literal(dearest)} with {answering['n_evals'][dearest]:,}.")
+    page.card(title, f"{int(evals):,} evaluations", *more)
 
 
 def _add_failures(page: Page, scores: pd.DataFrame) -> None:
