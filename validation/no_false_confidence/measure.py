@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import os
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,10 +15,13 @@ import pandas as pd
 
 from uqfold.methods import available, build
 from uqfold.methods.result import NO_ANSWER
+from uqfold.provenance import source_digest
 from uqfold.validation import Finding, Measurement, Table, Work
 from validation.no_false_confidence.problems import PROBLEMS, Hard
 
 Row = dict[str, Any]
+Question = tuple[str, str, int]
+"""A problem, a method and a seed."""
 
 SIMULATION = {"mc", "conditional-mc", "openturns-mc"}
 RUNS, SIMULATED = 300, 20_000
@@ -23,12 +29,15 @@ RUNS, SIMULATED = 300, 20_000
 MOST_INPUTS = 12
 """A full factorial design over more inputs has no room in any budget."""
 
+UNFINISHED = Path("uqfold-results", "no_false_confidence.jsonl")
+"""Answers of a full run that has not come to its end."""
+
 QUICK = (
     "linear, 2 inputs, 1e-08",
     "curved in 1 of 2 inputs, T = 3",
     "|x|^2, 2 inputs, 0.0001",
     "correlated normals, T = 6",
-    "|a| + b, T = 5",
+    "|a| + b, T = 3",
     "u^2 + 0.1 u, 1 inputs, T = 9",
     "x2 - 100 x1^4",
     "round(2 (x + y)) / 2, T = 3",
@@ -62,14 +71,12 @@ def answer(name: str, method: str, seed: int) -> Row:
         "std_error": row.std_error,
         "low": row.ci_low,
         "high": row.ci_high,
-        "status": row.status,
+        "status": str(row.status),
     }
 
 
-def answers(
-    pool: ProcessPoolExecutor | None, hard: Hard, seeds: range, *, quick: bool
-) -> pd.DataFrame:
-    """Ask all methods about one problem; those that know no chance answer once."""
+def questions(hard: Hard, seeds: range, *, quick: bool) -> list[Question]:
+    """Return what is asked about one problem; methods that know no chance answer once."""
     asked = []
     for method, kind in available().items():
         if method.startswith("ffni") and hard.d > MOST_INPUTS:
@@ -77,8 +84,56 @@ def answers(
         if quick and method in SLOW and QUICK.index(hard.name) % 4:
             continue
         asked += [(hard.name, method, seed) for seed in (seeds if kind().stochastic else seeds[:1])]
-    rows = pd.DataFrame((map if pool is None else pool.map)(answer, *zip(*asked, strict=True)))
-    return rows[~rows["status"].isin(NO_ANSWER)]
+    return asked
+
+
+class Answers:
+    """Answers to all questions, from as many processes as there are processors.
+
+    Those to each problem are kept in a file as soon as they are there: a run that was interrupted
+    goes on with the problem at which it ended, if the code is still the same.
+
+    Parameters
+    ----------
+    asked
+        Problem -> questions.
+    kept
+        The file.
+    code
+        What tells the code, as JSON can hold it.
+    """
+
+    def __init__(self, asked: Mapping[str, list[Question]], kept: Path, code: object) -> None:
+        self.kept = kept
+        self.known: dict[str, list[Row]] = {}
+        before = kept.read_text() if kept.exists() else ""
+        # the last line may be half of one
+        first, *lines = before[: before.rfind("\n") + 1].splitlines() or [""]
+        if first == json.dumps(code):
+            self.known = {rows[0]["problem"]: rows for rows in map(json.loads, lines)}
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        beginning = [code, *self.known.values()]
+        kept.write_text("".join(json.dumps(one) + "\n" for one in beginning))
+        self.pool = ProcessPoolExecutor(len(os.sched_getaffinity(0)))
+        self.waiting = {
+            name: [self.pool.submit(answer, *one) for one in questions]
+            for name, questions in asked.items()
+            if name not in self.known
+        }
+
+    def __enter__(self) -> Answers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.pool.shutdown(cancel_futures=True)
+
+    def to(self, name: str) -> pd.DataFrame:
+        """Return the answers to one problem."""
+        if name not in self.known:
+            self.known[name] = [one.result() for one in self.waiting.pop(name)]
+            with self.kept.open("a") as file:
+                file.write(json.dumps(self.known[name]) + "\n")
+        return pd.DataFrame(self.known[name])
 
 
 def planted(rows: pd.DataFrame, hard: Hard, fault: str | None) -> pd.DataFrame:
@@ -118,10 +173,19 @@ def measure(work: Work) -> Measurement:
     full = work.tier == "full"
     seeds = range(work.seeds[0], work.seeds[0] + work.pick(1, 10))
     asked = [hard for hard in PROBLEMS if full or hard.name in QUICK]
-    with ProcessPoolExecutor(2) if full else nullcontext() as pool:
-        parts = {hard.name: partial(answers, pool, hard, seeds, quick=not full) for hard in asked}
-        found = work.parts(parts)
-    rows = pd.concat(judged(planted(found[hard.name], hard, work.fault), hard) for hard in asked)
+    wanted = {hard.name: questions(hard, seeds, quick=not full) for hard in asked}
+    if full:
+        code = source_digest(*sorted(Path(__file__).parent.glob("*.py")))
+        with Answers(wanted, UNFINISHED, code) as answers:
+            found = work.parts({name: partial(answers.to, name) for name in wanted})
+    else:
+        found = work.parts({name: partial(_answered, one) for name, one in wanted.items()})
+    told = pd.concat(found.values())
+    told = told[~told["status"].isin(NO_ANSWER)]
+    rows = pd.concat(
+        judged(planted(told[told["problem"] == hard.name], hard, work.fault), hard)
+        for hard in asked
+    )
     sure = rows[rows["sure"]]
     tables = [
         Table.of("Methods", [_method(name, rows) for name in available()]),
@@ -130,7 +194,13 @@ def measure(work: Work) -> Measurement:
     mistaken = sure[wrong(sure, FAR) | wrong(sure, VERY_FAR)]
     if len(mistaken):
         tables.append(Table.of("Converged and wrong", mistaken.drop(columns="sure")))
+    if full:
+        UNFINISHED.unlink()
     return Measurement(_findings(asked, rows, sure), tables)
+
+
+def _answered(asked: list[Question]) -> pd.DataFrame:
+    return pd.DataFrame([answer(*one) for one in asked])
 
 
 def _findings(asked: list[Hard], rows: pd.DataFrame, sure: pd.DataFrame) -> list[Finding]:

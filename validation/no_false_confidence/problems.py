@@ -219,16 +219,12 @@ def powers_of_ten(sigma: float, pf: float) -> Hard:
 
 
 SMOOTH = [
-    linear(1, 0.9), linear(2, 1e-8), linear(5, 1e-4), linear(10, 1e-6), linear(20, 1e-3),
-    linear(50, 1e-4), linear(100, 1e-6),
-    mild(2, 3.5, 0.1), mild(6, 4.0, 0.05), mild(10, 4.0, 0.03), mild(30, 4.5, 0.02),
-    mild(49, 5.0, 0.02), mild(100, 6.5, 0.02),
-    bent(2, 1, 3.0, 0.2), bent(5, 4, 6.0, 0.2), bent(8, 3, 5.0, -0.1), bent(100, 5, 5.5, 0.1),
-    sphere(2, 1e-4), sphere(4, 1e-3), sphere(8, 1e-4), sphere(10, 1e-2), sphere(20, 1e-3),
-    exponentials(2, 1.0, 22.0), exponentials(5, 0.5, 15.0), exponentials(20, 0.5, 35.0),
-    exponentials(100, 0.5, 148.0),
-    waiting(2, 1e-5), waiting(20, 1e-3), waiting(100, 1e-7),
-    powers_of_ten(3.0, 1e-4), powers_of_ten(8.0, 1e-3),
+    linear(1, 0.9), linear(2, 1e-8), linear(10, 1e-6), linear(50, 1e-4), linear(100, 1e-6),
+    mild(2, 3.5, 0.1), mild(10, 4.0, 0.03), mild(30, 4.5, 0.02), mild(49, 5.0, 0.02),
+    bent(2, 1, 3.0, 0.2), bent(8, 3, 5.0, -0.1), bent(100, 5, 5.5, 0.1),
+    sphere(2, 1e-4), sphere(8, 1e-4), sphere(10, 1e-2),
+    exponentials(2, 1.0, 22.0), exponentials(5, 0.5, 15.0),
+    waiting(2, 1e-5), waiting(20, 1e-3), waiting(100, 1e-7), powers_of_ten(8.0, 1e-3),
 ]  # fmt: skip
 
 # sharp features, kinks, steps, plateaus, bands
@@ -294,17 +290,14 @@ def band(centre: float, pf: float, d: int) -> Hard:
     )  # fmt: skip
 
 
-HALF_BAND = 0.5e-4 / float(stats.norm.pdf(1.5))
-
 ROUGH = [
     sharp(4, 100.0, 2.5), sharp(6, 30.0, 3.0), sharp(4, 100.0, 2.5, inert=3),
-    kink(3.0), kink(5.0), largest(2, 3.0), largest(10, 4.0), hockey(6.0), hockey(20.0),
+    kink(3.0), largest(10, 4.0), hockey(20.0),
     Hard(
         "round(2 (x + y)) / 2, T = 3", "steps", 2,
         lambda x: np.round(2.0 * x.sum(axis=1)) / 2.0, 3.0, lambda: tail(3.25 / ROOT_2),
     ),
-    step(2.0, 3.0, 4.0, 2), step(3.5, 6.0, 5.0, 4), step(0.5, 1.0, 3.0, 6),
-    plateau(1.0, 0.5), plateau(4.0, 3.9), plateau(2.0, 2.5),
+    step(2.0, 3.0, 4.0, 2), step(3.5, 6.0, 5.0, 4), plateau(1.0, 0.5), plateau(4.0, 3.9),
     Hard(
         "0 or 1 at 1.5", "plateau", 2, lambda x: (x[:, 0] > 1.5).astype(float), 0.5,
         lambda: tail(1.5),
@@ -323,11 +316,6 @@ ROUGH = [
         breaks=[-0.5, 0.5],
     ),
     band(2.5, 4e-5, 1), band(1.0, 1e-3, 3),
-    Hard(
-        "tanh and a band, 0.0001", "thin band", 2,
-        lambda x: np.tanh(x[:, 1]) + 5.0 * (np.abs(x[:, 0] - 1.5) < HALF_BAND), 2.0,
-        lambda: (tail(1.5 - HALF_BAND) - tail(1.5 + HALF_BAND)) * tail(-10.0),
-    ),
 ]  # fmt: skip
 
 # several failure regions
@@ -375,8 +363,7 @@ def beyond_either_side(distance: Array) -> Array:
 
 
 SEVERAL = [
-    square(9.0, 1), square(16.0, 4), four(3.0), four(4.5), two_sides(3.0, 3.2, 2),
-    two_sides(3.5, 3.0, 6),
+    square(9.0, 1), square(16.0, 4), four(3.0), two_sides(3.5, 3.0, 6),
     Hard(
         "|b| + a^2 / 4", "two regions", 2, lambda x: np.abs(x[:, 1]) + 0.25 * x[:, 0] ** 2, 3.0,
         lambda: average(
@@ -431,7 +418,7 @@ def correlation(rho: float) -> Any:
 
 
 SHAPED = [
-    uniforms(2, 1.9), uniforms(3, 2.95), uniforms(6, 5.0), student(3.0, 20.0), student(5.0, 8.0),
+    uniforms(3, 2.95), uniforms(6, 5.0), student(3.0, 20.0),
     Hard(
         "Pareto and normal, T = 9", "heavy tails", 2, lambda x: x.sum(axis=1), 9.0,
         lambda: average(lambda u: stats.pareto.sf(9.0 - u, 4.0), breaks=[8.0]),
@@ -547,9 +534,8 @@ def curved_units(level: float) -> Hard:
 
 
 REAL = [
-    oscillator(0.0), oscillator(0.6), resonance(4.0), frame(8.5), frame(10.0), panel(1e-3),
-    panel(1e-6), beam(0.0), beam(-1.0), exchangeable(4, 1, 0.6, 3.5), exchangeable(4, 3, 0.8, 6.0),
-    curved_units(0.5), curved_units(4.0),
+    oscillator(0.6), resonance(4.0), frame(10.0), panel(1e-6), beam(0.0),
+    exchangeable(4, 3, 0.8, 6.0), curved_units(0.5),
     given(
         "curved, nearly all fail", "pf near one", -1.5, lambda u: 0.3 * u**2, [1.0], known=[1],
         smooth=True,
@@ -615,7 +601,6 @@ def offset(base: float, scale: float, beta: float) -> Hard:
 
 BAD = [
     now_and_then("1% of runs are -140, T = 3", "outliers", 0.01, -140.0),
-    now_and_then("1% of runs are 140, T = 3", "outliers", 0.01, 140.0),
     Hard(
         "1, but 0.01 of runs are -140", "outliers", 2,
         lambda x: np.where(pseudo_random(x[:, 1]) < 0.01, -140.0, 1.0), 0.0, lambda: 0.99,
@@ -624,16 +609,16 @@ BAD = [
         "noise that varies, T = 3", "noise", 3, noisy, 3.0,
         lambda: average(lambda b: special.ndtr(-3.0 / np.sqrt(1.0 + 0.09 * np.exp(0.6 * b)))),
     ),
-    infinite(2.5, 4.0, 2), infinite(3.5, 3.0, 4),
+    infinite(2.5, 4.0, 2),
     given(
         "1 / (3 - u), T = 1.5", "infinite runs", 1.5,
         lambda u: np.where(u >= 3.0, np.inf, 1.0 / np.maximum(3.0 - u, 1e-300)), [0.1],
         breaks=[3.0],
     ),
     given("-inf beyond 2", "infinite runs", 4.0, past(2.0, -np.inf), [1.0], breaks=[2.0]),
-    broken(2.5, 4.0), broken(4.0, 5.0),
+    broken(2.5, 4.0),
     now_and_then("2% of runs fail", "failed runs", 0.02, math.nan),
-    offset(1e12, 1e-3, 3.0), offset(1e9, 1e-3, 3.0), offset(1e6, 1e-3, 4.0),
+    offset(1e12, 1e-3, 3.0), offset(1e6, 1e-3, 4.0),
 ]  # fmt: skip
 
 PROBLEMS = [*SMOOTH, *ROUGH, *SEVERAL, *SHAPED, *REAL, *BAD]
