@@ -36,6 +36,7 @@ from uqfold.methods import (
     ReliabilityMethod,
     build,
 )
+from uqfold.methods.kriging import KrigingDetails
 from uqfold.problems.structure import SystemStructure
 from uqfold.testing.linear_normal import _works
 from uqfold.typing import FloatArray
@@ -59,7 +60,7 @@ SYSTEM = Structure("pump_a & pump_b | valve")
 
 def failing(unit: Unit, threshold: float, v: float) -> float:
     if unit.model is valve:
-        return float(ndtr((0.1 + 0.4 * v - threshold) / math.hypot(0.5, 0.25)))
+        return float(ndtr((0.1 + 0.4 * v + unit.offset - threshold) / math.hypot(0.5, 0.25)))
     return float(ndtr((0.6 * v + unit.offset - threshold) / 0.8))
 
 
@@ -163,15 +164,126 @@ def test_offsets_of_units_that_share_everything() -> None:
     assert row.pf == pytest.approx(float(ndtr(-1.0)), rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("method", "structure"),
+    [
+        (PolynomialChaos(runs=50, max_degree=2), SYSTEM),
+        (PolynomialChaos(runs=50, max_degree=2), KOutOfN(2)),
+        (Kriging(runs=60, kernel="gaussian", trend="linear"), Series()),
+    ],
+    ids=lambda one: getattr(one, "name", ""),
+)
+def test_a_surface_for_each_kind_of_units(
+    method: ReliabilityMethod, structure: SystemStructure
+) -> None:
+    """Units with models and inputs of their own, which had to be simulated."""
+    units = [*PUMPS, VALVE, Unit(valve, VALVE.individual, 0.1, name="spare")]
+    problem = Problem(pump, **INPUTS, units=units, structure=structure)
+    result = method.estimate(problem, [*CRITERIA, Criterion(4.0)], rng=2)
+    for criterion, row in zip([*CRITERIA, Criterion(4.0)], result, strict=True):
+        truth = exact(units, structure, criterion)
+        assert row.status == "converged"
+        assert abs(row.pf - truth) < 2.0 * row.std_error
+        assert row.pf == pytest.approx(truth, rel=3e-4)
+        assert row.n_evals <= 60
+
+
+def synchronized(units: Sequence[Unit], threshold: float, tau: float) -> float:
+    """Success under tau of pumps and valves in series, whose responses are normal given V."""
+    v, s = np.meshgrid(np.linspace(-8.0, 8.0, 161), np.linspace(-9.0, threshold, 1501))
+    means, stds = zip(
+        *(
+            (0.1 + 0.4 * v + unit.offset, math.hypot(0.5, 0.25))
+            if unit.model is valve
+            else (0.6 * v + unit.offset, 0.8)
+            for unit in units
+        ),
+        strict=True,
+    )
+    z = [(s - mean) / std for mean, std in zip(means, stds, strict=True)]
+    near = [ndtr(a) - ndtr(a - tau / std) for a, std in zip(z, stds, strict=True)]
+    first = sum(
+        np.exp(-0.5 * a**2) / std * math.prod(near[:i] + near[i + 1 :])
+        for i, (a, std) in enumerate(zip(z, stds, strict=True))
+    )
+    over_s = np.trapezoid(first, s[:, 0], axis=0) / math.sqrt(2.0 * math.pi)
+    density = np.exp(-0.5 * v[0] ** 2) / math.sqrt(2.0 * math.pi)
+    return float(np.trapezoid(over_s * density, v[0]))
+
+
+def test_surfaces_that_differ_under_tau() -> None:
+    """The sum over which unit comes first, with the surfaces of two kinds and an offset."""
+    units = [*PUMPS, VALVE]
+    problem = Problem(pump, **INPUTS, units=units)
+    method = PolynomialChaos(runs=40, max_degree=2)
+    row = method.estimate(problem, Criterion(1.5, tau=1.2), rng=2)[0]
+    assert row.status == "converged"
+    assert row.reliability == pytest.approx(synchronized(units, 1.5, 1.2), rel=1e-4)
+
+
+@pytest.mark.parametrize(("bend", "status"), [(0.01, "converged"), (0.3, "doubtful")])
+def test_the_error_of_each_surface_is_one_of_the_system(bend: float, status: str) -> None:
+    """One kind whose surface few runs leave open widens the interval, and is doubted by name."""
+
+    def bent(x: FloatArray) -> FloatArray:
+        return np.asarray(pump(x) + bend * np.sin(4.0 * x[:, 1]))
+
+    method = PolynomialChaos(runs=60, max_degree=3)
+    equal = Problem(pump, **INPUTS, units=2)
+    one_bent = Problem(pump, **INPUTS, units=[Unit(name="a"), Unit(bent, name="b")])
+    smooth, row = (
+        method.estimate(problem, Criterion(2.0), rng=1)[0] for problem in (equal, one_bent)
+    )
+    assert (smooth.status, row.status) == ("converged", status)
+    if status == "doubtful":
+        assert "b: the surface predicts runs left out only to" in row.message
+        return
+    v, u = np.linspace(-8.0, 8.0, 161), np.linspace(-8.0, 8.0, 16_001)
+    weights = [np.exp(-0.5 * z**2) / np.exp(-0.5 * z**2).sum() for z in (v, u)]
+    own = 0.8 * u + bend * np.sin(4.0 * u)
+    works = np.array([weights[1] @ (0.6 * w + own <= 2.0) for w in v])
+    truth = float(weights[0] @ (1.0 - works * ndtr((2.0 - 0.6 * v) / 0.8)))
+    assert row.std_error > 10.0 * smooth.std_error
+    assert abs(row.pf - truth) < 2.0 * row.std_error
+
+
+def test_units_of_several_kinds_that_share_everything() -> None:
+    """Nothing individual: what the structure makes of the surfaces is one surface."""
+    units = [Unit(lambda x: x[:, 0]), Unit(lambda x: 0.5 - 2.0 * x[:, 0]), Unit(offset=-9.0)]
+    problem = Problem(
+        lambda x: x[:, 0], shared={"V": normal(0, 1)}, units=units, structure=Structure("u0 | u1")
+    )
+    row = PolynomialChaos(runs=40).estimate(problem, Criterion(-0.1, missions=7), rng=1)[0]
+    truth = float(ndtr(0.3) - ndtr(-0.1))
+    assert abs(row.pf - truth) < 2.0 * row.std_error
+    assert row.pf == pytest.approx(truth, rel=5e-3)
+
+
+def test_a_budget_is_divided_among_kinds() -> None:
+    """All runs of both surfaces are counted, and grow together."""
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
+    result = Kriging().estimate(problem, Criterion(0.6), max_evals=41, rng=1)
+    details = result.details
+    assert isinstance(details, KrigingDetails)
+    sizes = [one.surface.y.size for one in (details, *details.of_other_kinds)]
+    assert sizes == [19, 21]
+    assert result.n_evals == 40
+    assert result[0].status == "budget_exhausted"
+    few = Kriging().estimate(problem, Criterion(0.6), max_evals=13, rng=1)[0]
+    assert few.status == "failed"
+    assert "surfaces over 2 and 3 inputs needs at least 14 runs" in few.message
+
+
 SIMULATE = {"mc", "conditional-mc", "openturns-mc"}
-BY_OFFSET = {"kriging", "pce", "ffni-spa", "ffni-pearson"}
+SURFACES = {"kriging", "pce"}
+BY_OFFSET = {"ffni-spa", "ffni-pearson"}
 
 
 @pytest.mark.parametrize(
-    "name", sorted({*SIMULATE, *BY_OFFSET, "active-kriging", "openturns-form"})
+    "name", sorted({*SIMULATE, *SURFACES, *BY_OFFSET, "active-kriging", "openturns-form"})
 )
 def test_what_a_method_cannot_answer_it_says_before_any_run(name: str) -> None:
-    simulates = name in SIMULATE
+    simulates = name in SIMULATE | SURFACES
     problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
     assert (build(name).supports(problem, Criterion(1.0)) is None) == simulates
     problem = Problem(pump, **INPUTS, units=PUMPS)

@@ -16,6 +16,7 @@ import numpy as np
 from uqfold.checks import instance
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
+from uqfold.methods.arguments import checked_unit
 from uqfold.methods.kriging import Kriging, KrigingDetails
 from uqfold.methods.polynomial_chaos import PolynomialChaos, PolynomialChaosDetails
 from uqfold.methods.response_surface import ResponseSurface
@@ -99,11 +100,12 @@ def fit_surface(
 
     Raises
     ------
-    TypeError
-        If the method has no surface.
+    TypeError, ValueError
+        If the method has no surface, or units have models or inputs of their own.
     NoSurfaceError
         If it found no answer, or some responses are infinite or failed, where no surface is.
     """
+    checked_unit(problem)
     instance("method", method, (Kriging, PolynomialChaos), "give Kriging() or PolynomialChaos()")
     result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
     details = result.details

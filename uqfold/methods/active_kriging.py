@@ -33,7 +33,7 @@ from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
 from uqfold.methods.growing_design import Growth, first_runs
-from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
+from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surface_estimates
 from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
@@ -222,7 +222,7 @@ class ActiveKriging(SequentialMethod):
         growth = Growth.of(task, self.runs, total, MAX_RUNS)
         first = max(12, 3 * inputs.dimension) if self.initial is None else max(self.initial, least)
         u = space_filling_design(min(first, total), inputs.dimension, rng)
-        design = yield from design_runs(task, u, asked, least)
+        [design] = yield from design_runs(task, [u], [asked], [least])
         runs, u, y = design, design.u, design.y
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
@@ -319,10 +319,10 @@ class ActiveKriging(SequentialMethod):
         )
         trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
         found = surface_estimates(
-            task, surface, runs, rng,
+            task,
+            [FittedKind(surface, runs, surface.noise_std, _rivals(task, surface, checks))],
+            rng,
             target_cov=self.target_cov,
-            noise=surface.noise_std,
-            rivals=_rivals(task, surface, checks),
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
             beta_std=view.question.for_all(
                 np.hypot(max(1.0, *trust) * view.beta_std, stability.moved)

@@ -37,6 +37,19 @@ def checked_unit(problem: Problem) -> Problem:
     return problem
 
 
+def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
+    """Return why surfaces given the shared inputs tell nothing of units that differ, or None.
+
+    A unit that shares all its inputs has a response given them, not a distribution.
+    """
+    kinds, counts = problem.kinds, [one.n_individual for one in problem.kinds.inputs]
+    if kinds.equal or all(counts):
+        return None
+    if any(counts):
+        return "some units have inputs of their own, and others share all of theirs"
+    return None if criterion.tau is None else "under tau units that differ need inputs of their own"
+
+
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
     """Return the criteria as a grid; None stands for the problem's default criteria.
 

@@ -267,7 +267,7 @@ class ReliabilityMethod(ABC):
         if model is None:
             session = settings.open(problem, budget)
         else:
-            session = settings.session_of_told(model, problem.inputs.dimension, budget)
+            session = settings.session_of_told(model, problem.kinds.columns, budget)
         reasons = tuple(self.supports(problem, criterion) for criterion in asked)
         supported = tuple(c for c, reason in zip(asked, reasons, strict=True) if reason is None)
         return OpenRun(asked, reasons, Task(problem, supported, seed, session))

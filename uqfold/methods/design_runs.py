@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,13 +62,16 @@ class DesignRuns:
         """Whether there are enough finite responses to fit a surface to."""
         return int(self.finite.sum()) > int(self.u.shape[1]) + 1
 
-    def without_surface(self, task: Task) -> Solution:
-        """Answer where hardly any response is finite; if all are the same infinity, it decides."""
-        if np.isinf(self.y).all() and np.unique(self.y).size == 1:
+    def without_surface(self, task: Task, of_units: str = "") -> Solution:
+        """Answer where hardly any response is finite; if all are the same infinity, it decides.
+
+        Of units among others, which are named, it does not decide.
+        """
+        if np.isinf(self.y).all() and np.unique(self.y).size == 1 and not of_units:
             return Solution([_infinite(criterion, self) for criterion in task.criteria])
         message = (
-            f"only {int(self.finite.sum())} of {self.y.size} responses are finite: too few for a "
-            f"surface over {self.u.shape[1]} inputs"
+            f"{of_units}only {int(self.finite.sum())} of {self.y.size} responses are finite: too "
+            f"few for a surface over {self.u.shape[1]} inputs"
         )
         if task.session.first_failure:
             message = f"{message}; {task.session.first_failure}"
@@ -91,53 +94,92 @@ class DesignRuns:
 
 
 def affordable_runs(task: Task, asked: int, least: int) -> int:
-    """How many runs a design may have: what is asked for, or what the budget allows.
+    """How many runs the designs may have: what is asked for, or what the budget allows.
 
     Raises
     ------
     BudgetExceededError
-        If the budget does not allow the `least` runs that a fit needs.
+        If the budget does not allow the `least` runs that the fits need.
     """
     allowed = min(asked, task.session.remaining)
     if allowed < least:
         limit = f"max_evals = {task.session.max_evals}" if asked >= least else f"runs = {asked}"
+        counts = " and ".join(str(inputs.dimension) for inputs in task.problem.kinds.inputs)
+        surfaces = "a surface" if len(task.problem.kinds.models) == 1 else "surfaces"
         raise BudgetExceededError(
-            f"{limit}, but a surface over {task.problem.inputs.dimension} inputs needs at least "
-            f"{least} runs: raise it"
+            f"{limit}, but {surfaces} over {counts} inputs needs at least {least} runs: raise it"
         )
     task.session.expect(allowed)
     return allowed
 
 
 def design_runs(
-    task: Task, u: FloatArray, asked: int, least: int
-) -> Generator[FloatArray, FloatArray, DesignRuns]:
-    """Ask for the runs of a design whose first points are a smaller design of the same kind.
+    task: Task, u: Sequence[FloatArray], asked: Sequence[int], least: Sequence[int]
+) -> Generator[FloatArray, FloatArray, list[DesignRuns]]:
+    """Ask for the runs of designs whose first points are smaller designs of the same sort.
 
     Parameters
     ----------
     task
         Problem and session.
     u
-        Points (n, d) in standard-normal space.
+        Points (n, d) in standard-normal space, of each kind of units.
     asked
-        How many runs the settings ask for.
+        How many runs the settings ask for, of each kind.
     least
-        Runs that a fit needs.
+        Runs that a fit needs, of each kind.
 
     Raises
     ------
     TimeLimitError
         If the wall-clock limit leaves fewer runs than that.
     """
+    stopped = ""
     try:
-        y = yield task.problem.inputs.from_standard_normal(u)
+        y = yield from runs_of_kinds(task, u)
     except TimeLimitError as error:
-        y = error.responses
-        if y.size < least:
+        stopped, y = str(error), _sorted_out(u, error.responses)
+        if any(found.size < few for found, few in zip(y, least, strict=True)):
             raise
-        return DesignRuns(u[: y.size], y, asked, str(error))
-    return DesignRuns(u, y, asked)
+    return [
+        DesignRuns(points[: found.size], found, count, stopped)
+        for points, found, count in zip(u, y, asked, strict=True)
+    ]
+
+
+def runs_of_kinds(
+    task: Task, u: Sequence[FloatArray]
+) -> Generator[FloatArray, FloatArray, list[FloatArray]]:
+    """Ask for the responses (n,) at points (n, d) of each kind of units, all at once.
+
+    The kinds take turns, so that the first runs are as many of each as its share.
+
+    Raises
+    ------
+    TimeLimitError
+        If the wall-clock limit is over before the last of them.
+    """
+    kinds = task.problem.kinds
+    x = np.concatenate(
+        [
+            kinds.rows_of(kind, inputs.from_standard_normal(points))
+            for kind, (inputs, points) in enumerate(zip(kinds.inputs, u, strict=True))
+        ]
+    )
+    y = yield x[_turns(u)]
+    return _sorted_out(u, y)
+
+
+def _turns(u: Sequence[FloatArray]) -> IntArray:
+    """Order in which the joined points of all kinds are run."""
+    shares = [(np.arange(len(points)) + 0.5) / max(len(points), 1) for points in u]
+    return np.argsort(np.concatenate(shares), kind="stable")
+
+
+def _sorted_out(u: Sequence[FloatArray], y: FloatArray) -> list[FloatArray]:
+    """Return the responses of each kind from the first ones of all turns."""
+    kinds = np.repeat(np.arange(len(u)), [len(points) for points in u])[_turns(u)]
+    return [y[kinds[: y.size] == kind] for kind in range(len(u))]
 
 
 def _infinite(criterion: Criterion, runs: DesignRuns) -> Estimate:

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import Solution, Task
-from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
+from uqfold.methods.design_runs import (
+    DesignRuns,
+    affordable_runs,
+    design_runs,
+    runs_of_kinds,
+)
 from uqfold.methods.steps import Steps
 from uqfold.surrogates.designs import space_filling_design
+from uqfold.typing import FloatArray
 
 FEWEST_RUNS, RUNS_PER_INPUT = 100, 5
 """The first design where the settings leave it open: so many runs, or so many for each input."""
+STREAMS = 1_000
+"""Streams of random numbers that a kind of units has to itself."""
 # How far beyond the target the stated error may be foreseen before growing is given up.
 _FORESEEN = 3.0
 
@@ -76,41 +84,71 @@ def grown(
     asked: int | None,
     ceiling: int,
     spread: float,
-    answered: Callable[[DesignRuns], tuple[Solution, float]],
+    answered: Callable[[Sequence[DesignRuns]], tuple[Solution, float]],
 ) -> Steps:
-    """Answer from a space-filling design, which is doubled while that may help.
+    """Answer from space-filling designs, one for each kind of units, doubled while that may help.
 
     Parameters
     ----------
     task
         Problem, criteria and budget.
     asked
-        Runs, exactly; None: as many as the inputs need, and more as far as a given budget allows.
+        Runs, exactly, of all kinds together; None: as many as the inputs need, and more as far as a
+        given budget allows.
     ceiling
         Most runs that a surface can bear.
     spread
         Standard deviation of the points.
     answered
-        Answers the task from the runs, and tells how many times its target the error is.
+        Answers the task from the runs of each kind, and tells how many times its target the error
+        is.
     """
-    dimension = task.problem.inputs.dimension
-    first, least = first_runs(asked, dimension, ceiling), 2 * dimension + 2
-    size = affordable_runs(task, first, least)
-    growth = Growth.of(task, asked, size, ceiling)
-    u = space_filling_design(size, dimension, task.generator(), spread)
-    runs = yield from design_runs(task, u, first, least)
+    kinds = task.problem.kinds
+    dimensions = [inputs.dimension for inputs in kinds.inputs]
+    needed = [first_runs(None, d, ceiling) for d in dimensions]
+    least = [2 * d + 2 for d in dimensions]
+    first = sum(needed) if asked is None else asked
+    size = affordable_runs(task, first, sum(least))
+    growth = Growth.of(task, asked, size, ceiling * len(dimensions))
+
+    def designs(total: int) -> list[FloatArray]:
+        # the same seeds: a smaller design is the beginning of a larger one
+        return [
+            space_filling_design(share, d, task.generator(kind * STREAMS), spread)
+            for kind, (share, d) in enumerate(
+                zip(divided(total, needed, least), dimensions, strict=True)
+            )
+        ]
+
+    runs = yield from design_runs(task, designs(size), divided(first, needed, least), least)
     while True:
-        if not runs.fittable:
-            return runs.without_surface(task)
+        for kind, one in enumerate(runs):
+            if not one.fittable:
+                return one.without_surface(task, task.problem.of_kind(kind))
         solution, shortfall = answered(runs)
-        more = growth.next_size(runs.y.size, shortfall)
-        if runs.stopped or not runs.complete or more is None:
+        spent = sum(one.y.size for one in runs)
+        more = growth.next_size(spent, shortfall)
+        finished = any(one.stopped or not one.complete for one in runs)
+        if finished or more is None or spent + len(runs) > more:
             return solution
         task.session.expect(more)
-        # the same seed: the smaller design is the beginning of the larger one
-        u = space_filling_design(more, dimension, task.generator(), spread)
+        u = designs(more)
         try:
-            y = yield task.problem.inputs.from_standard_normal(u[runs.y.size :])
+            y = yield from runs_of_kinds(
+                task, [points[one.y.size :] for points, one in zip(u, runs, strict=True)]
+            )
         except TimeLimitError:
             return solution
-        runs = DesignRuns(u, np.concatenate([runs.y, y]), more)
+        runs = [
+            DesignRuns(points, np.concatenate([one.y, new]), len(points))
+            for points, one, new in zip(u, runs, y, strict=True)
+        ]
+
+
+def divided(total: int, needed: Sequence[int], least: Sequence[int]) -> list[int]:
+    """Return the runs of each kind of units: the least, and of the rest its share by need.
+
+    A larger total gives no kind fewer runs; less than one run for each kind is left over.
+    """
+    rest = max(0, total - sum(least))
+    return [few + rest * need // sum(needed) for few, need in zip(least, needed, strict=True)]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
 
 from uqfold.checks import choice, keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
-from uqfold.methods.growing_design import grown
-from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
+from uqfold.methods.growing_design import STREAMS, grown
+from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
@@ -33,7 +35,7 @@ from uqfold.typing import FloatArray, IntArray
 
 Trend: TypeAlias = Literal["best", "constant", "linear", "quadratic", "pce"]
 
-Tried: TypeAlias = tuple[Trend, Kernel]
+Tried: TypeAlias = tuple[int, Trend, Kernel]
 
 MAX_RUNS = 2_000
 """Ceiling on the training size: a fit costs its cube."""
@@ -56,12 +58,15 @@ class KrigingDetails:
         Their root mean square, as a share of the standard deviation of the training responses.
     errors
         Where the stated errors come from.
+    of_other_kinds
+        The same for the surfaces of other kinds of units, in the order in which they occur.
     """
 
     surface: GaussianProcess
     cross_validation: LeaveOneOut
     relative_error: float
     errors: ErrorParts
+    of_other_kinds: tuple[KrigingDetails, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,8 @@ class Kriging(SequentialMethod):
     """Kriging on a space-filling design, integrated over without sampling.
 
     A Gaussian process with a polynomial trend is fitted to the responses at a Sobol' design in
-    standard-normal space, spread wider than the inputs so that it reaches into the tails. The
+    standard-normal space, spread wider than the inputs so that it reaches into the tails; units of
+    several kinds, which have models or inputs of their own, have one each. The
     conditional distribution of the response given the shared inputs, and from it every criterion
     with its missions and tau, follow by integration over the surface. Surfaces drawn from the
     posterior give the stated error.
@@ -77,9 +83,10 @@ class Kriging(SequentialMethod):
     Attributes
     ----------
     runs
-        Evaluations; fewer if the budget allows fewer. More than 2,000 are `unsupported`. None: 100,
-        or five for each input if that is more; where a budget is given that allows more, they are
-        doubled as long as the stated error is above its target and this may help.
+        Evaluations, those of all kinds of units together; fewer if the budget allows fewer. More
+        than 2,000 are `unsupported`. None: for each kind 100, or five for each input if that is
+        more; where a budget is given that allows more, they are doubled as long as the stated error
+        is above its target and this may help.
     trend
         ``constant``, ``linear`` or ``quadratic`` polynomial, or ``pce``: the polynomials that a
         sparse polynomial chaos expansion picks; ``best``: the better of the last two.
@@ -109,7 +116,7 @@ class Kriging(SequentialMethod):
     theory: ClassVar[Theory] = KRIGING
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
-    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     runs: int | None = None
     trend: Trend = "best"
@@ -135,37 +142,46 @@ class Kriging(SequentialMethod):
         """Refuse more training runs than a fit can bear."""
         if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
-        return super().supports(problem, criterion)
+        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
 
     def _steps(self, task: Task) -> Steps:
         answered = partial(self._answered, task, {})
         return (yield from grown(task, self.runs, MAX_RUNS, self.spread, answered))
 
     def _answered(
-        self, task: Task, known: dict[Tried, GaussianProcess], runs: DesignRuns
+        self, task: Task, known: dict[Tried, GaussianProcess], runs: Sequence[DesignRuns]
     ) -> tuple[Solution, float]:
-        fits, stopped = task.summed_up(partial(self._fitted, task, known, runs))
-        surface, *others = fits
-        if stopped:
-            runs = replace(runs, stopped=stopped)
+        kinds = []
+        for kind, own in enumerate(runs):
+            fits, stopped = task.summed_up(partial(self._fitted, task, known, kind, own))
+            surface, *others = fits
+            made = replace(own, stopped=stopped) if stopped else own
+            rivals = [Rival.by_prediction(surface, other) for other in others]
+            kinds.append((surface, FittedKind(surface, made, surface.noise_std, rivals)))
+        largest = max(own.y.size for own in runs)
         found = surface_estimates(
-            task, surface, runs, task.generator(1),
+            task, [fitted for _, fitted in kinds], task.generator(1),
             target_cov=self.target_cov,
-            noise=surface.noise_std,
-            rivals=[Rival.by_prediction(surface, other) for other in others],
-            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
+            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // largest),
             stated_noise=self.noise,
         )  # fmt: skip
-        validated = surface.leave_one_out()
-        scatter = float(surface.y.std())
-        relative = validated.rms / scatter if scatter > 0.0 else 0.0
-        details = KrigingDetails(surface, validated, relative, found.errors)
-        return Solution(found.estimates, details), found.shortfall
+        details = []
+        for surface, fitted in kinds:
+            scatter, validated = float(surface.y.std()), fitted.validated
+            relative = validated.rms / scatter if scatter > 0.0 else 0.0
+            details.append(KrigingDetails(surface, validated, relative, found.errors))
+        first = replace(details[0], of_other_kinds=tuple(details[1:]))
+        return Solution(found.estimates, first), found.shortfall
 
     def _fitted(
-        self, task: Task, known: dict[Tried, GaussianProcess], runs: DesignRuns, stopped: str
+        self,
+        task: Task,
+        known: dict[Tried, GaussianProcess],
+        kind: int,
+        runs: DesignRuns,
+        stopped: str,
     ) -> tuple[list[GaussianProcess], str]:
-        """Processes with the trends and kernels that are tried, the best one first.
+        """Processes of one kind with the trends and kernels that are tried, the best one first.
 
         Those `known` from fewer runs are where the search for their hyperparameters starts. When
         the time is over, the quickest alone, and why there are no more.
@@ -186,10 +202,11 @@ class Kriging(SequentialMethod):
                 trend, rotation, n_picked = _trend(name, u, y)
                 for kernel in kernels:
                     fit = fit_gaussian_process(
-                        u, y, noise=self.noise, trend=trend, kernel=kernel, rng=task.generator(2),
-                        start=known.get((name, kernel)), rotation=rotation,
+                        u, y, noise=self.noise, trend=trend, kernel=kernel,
+                        rng=task.generator(2 + kind * STREAMS),
+                        start=known.get((kind, name, kernel)), rotation=rotation,
                     )  # fmt: skip
-                    known[name, kernel] = fit
+                    known[kind, name, kernel] = fit
                     # what is picked with all responses foretells those left out better than new
                     # ones: each counts as one parameter fitted, as in Akaike's criterion
                     optimism = n_picked / y.size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
@@ -12,16 +13,19 @@ from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
 from uqfold.methods.growing_design import grown
-from uqfold.methods.response_surface import ErrorParts, Rival, surface_estimates
+from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.moments.quadrature import tensor_grid
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import DEFAULT_SPREAD, checked_spread
 from uqfold.surrogates.polynomial_chaos import (
@@ -56,6 +60,8 @@ class PolynomialChaosDetails:
         Their root mean square, as a share of the standard deviation of the training responses.
     errors
         Where the stated errors come from.
+    of_other_kinds
+        The same for the surfaces of other kinds of units, in the order in which they occur.
     """
 
     surface: PolynomialChaosExpansion
@@ -63,6 +69,7 @@ class PolynomialChaosDetails:
     cross_validation: LeaveOneOut
     relative_error: float
     errors: ErrorParts
+    of_other_kinds: tuple[PolynomialChaosDetails, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,9 +87,10 @@ class PolynomialChaos(SequentialMethod):
     Attributes
     ----------
     runs
-        Evaluations of the space-filling design; fewer if the budget allows fewer. None: 100, or
-        five for each input if that is more; where a budget is given that allows more, they are
-        doubled as long as the stated error is above its target and this may help.
+        Evaluations of the space-filling designs, those of all kinds of units together; fewer if the
+        budget allows fewer. None: for each kind 100, or five for each input if that is more; where
+        a budget is given that allows more, they are doubled as long as the stated error is above
+        its target and this may help.
     sparse
         Whether least-angle regression may leave polynomials out, or all up to the degree stay.
     max_degree
@@ -114,7 +122,7 @@ class PolynomialChaos(SequentialMethod):
     theory: ClassVar[Theory] = POLYNOMIAL_CHAOS
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
-    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     runs: int | None = None
     sparse: bool = True
@@ -142,6 +150,13 @@ class PolynomialChaos(SequentialMethod):
         """Whether the design is scrambled; that of FFNI is fixed."""
         return self.design == "space-filling"
 
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Refuse the nodes of FFNI for units of several kinds."""
+        reason = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        if reason is None and self.design == "ffni" and len(problem.kinds.models) > 1:
+            return 'units with models or inputs of their own need design="space-filling"'
+        return reason
+
     def _steps(self, task: Task) -> Steps:
         if self.design == "space-filling":
             answered = partial(self._answered, task)
@@ -149,10 +164,33 @@ class PolynomialChaos(SequentialMethod):
         x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
         y = yield x
         runs = DesignRuns(self._standard_nodes(task.problem.inputs, x), y, x.shape[0])
-        return self._answered(task, runs)[0] if runs.fittable else runs.without_surface(task)
+        return self._answered(task, [runs])[0] if runs.fittable else runs.without_surface(task)
 
-    def _answered(self, task: Task, runs: DesignRuns) -> tuple[Solution, float]:
-        inputs = task.problem.inputs
+    def _answered(self, task: Task, runs: Sequence[DesignRuns]) -> tuple[Solution, float]:
+        kinds = [
+            self._fitted(task, inputs, own)
+            for inputs, own in zip(task.problem.kinds.inputs, runs, strict=True)
+        ]
+        rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
+        found = surface_estimates(
+            task, [fitted for _, fitted in kinds], rng,
+            target_cov=self.target_cov,
+            stepped=self.design == "space-filling",
+        )  # fmt: skip
+        details = []
+        for surface, fitted in kinds:
+            validated, scatter = fitted.validated, float(fitted.known.std())
+            relative = validated.rms / scatter if scatter > 0.0 else 0.0
+            shares = surface.sobol_indices()
+            own = PolynomialChaosDetails(surface, shares, validated, relative, found.errors)
+            details.append(own)
+        first = replace(details[0], of_other_kinds=tuple(details[1:]))
+        return Solution(found.estimates, first), found.shortfall
+
+    def _fitted(
+        self, task: Task, inputs: JointInputs, runs: DesignRuns
+    ) -> tuple[PolynomialChaosExpansion, FittedKind]:
+        """Fit the surface of one kind of units."""
         fitted = runs.u[runs.finite], runs.y[runs.finite]
         # n nodes cannot tell u^n from lower powers
         orders = np.array(self._counts(inputs)) - 1 if self.design == "ffni" else None
@@ -172,29 +210,13 @@ class PolynomialChaos(SequentialMethod):
         surface, *others = sorted(surfaces, key=lambda one: one.regression.error)
         if stopped:
             runs = replace(runs, stopped=stopped)
-        rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
         rivals = [Rival.by_prediction(surface, other) for other in others]
         if orders is not None:
             # and leaving out one of them does not show what is missing: what the highest power
             # that they can tell changes stands for that error
             lower = surface.indices[(surface.indices < orders).all(axis=1)]
             rivals.append(Rival(fit_basis(*fitted, lower, surface.basis), share=1.0))
-        found = surface_estimates(
-            task,
-            surface,
-            runs,
-            rng,
-            target_cov=self.target_cov,
-            rivals=rivals,
-            stepped=self.design == "space-filling",
-        )
-        validated = surface.leave_one_out()
-        scatter = float(fitted[1].std())
-        relative = validated.rms / scatter if scatter > 0.0 else 0.0
-        details = PolynomialChaosDetails(
-            surface, surface.sobol_indices(), validated, relative, found.errors
-        )
-        return Solution(found.estimates, details), found.shortfall
+        return surface, FittedKind(surface, runs, rivals=rivals)
 
     def _bases(self, inputs: JointInputs) -> list[list[OwnPolynomials | None] | None]:
         """Sets of polynomials to try; None: those of Hermite."""

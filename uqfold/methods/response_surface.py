@@ -88,6 +88,47 @@ class Rival:
 
 
 @dataclass(frozen=True, eq=False)
+class FittedKind:
+    """What is known of one kind of units.
+
+    Attributes
+    ----------
+    surface
+        Fitted to the finite responses of `runs`.
+    runs
+        The runs.
+    noise
+        Standard deviation of what the model does beside the surface, unit by unit.
+    rivals
+        Other surfaces that the runs allow; the distance of their answers is a part of the stated
+        error.
+    """
+
+    surface: ResponseSurface
+    runs: DesignRuns
+    noise: float = 0.0
+    rivals: Sequence[Rival] = ()
+
+    @property
+    def known(self) -> FloatArray:
+        """The finite responses."""
+        return self.runs.y[self.runs.finite]
+
+    @property
+    def validated(self) -> LeaveOneOut:
+        """Residuals of cross-validation."""
+        return self.surface.leave_one_out()
+
+    def with_common_powers(self) -> FittedKind:
+        """Return the same with one more rival where there are many inputs."""
+        if self.runs.u.shape[1] < MANY_INPUTS:
+            return self
+        fitted = self.runs.u[self.runs.finite], self.known
+        common = with_common_powers(self.surface.mean, *fitted, self.validated.residuals)
+        return replace(self, rivals=[*self.rivals, Rival(common, share=1.0)])
+
+
+@dataclass(frozen=True, eq=False)
 class ErrorParts:
     """Where the stated errors of pf come from: standard deviations (n_criteria,).
 
@@ -144,42 +185,32 @@ class SurfaceAnswers:
 
 def surface_estimates(
     task: Task,
-    surface: ResponseSurface,
-    runs: DesignRuns,
+    fitted: Sequence[FittedKind],
     rng: np.random.Generator,
     *,
     target_cov: float,
-    noise: float = 0.0,
-    rivals: Sequence[Rival] = (),
     max_points: int = MAX_POINTS,
     beta_std: FloatArray | None = None,
     stated_noise: float | None = None,
     stepped: bool = True,
 ) -> SurfaceAnswers:
-    """Answer the criteria of a task from a fitted surface.
+    """Answer the criteria of a task from fitted surfaces.
 
     Parameters
     ----------
     task
         Problem and criteria.
-    surface
-        Fitted to the finite responses of `runs`.
-    runs
-        The runs.
+    fitted
+        A surface for each kind of units, and the runs behind it.
     rng
         Source of the draws behind the stated error.
     target_cov
         Largest stated error, relative to pf or to the reliability, of a ``converged`` row.
-    noise
-        Standard deviation of what the model does beside the surface, unit by unit.
-    rivals
-        Other surfaces that the runs allow; the distance of their answers is a part of the stated
-        error.
     max_points
-        Most points at which the surface is evaluated for an answer.
+        Most points at which the surfaces are evaluated for an answer.
     beta_std
         Standard deviations (n_criteria,) of the reliability indices that the stated ones may not
-        fall below, from a caller who judges the surface himself; None: the surface is judged by
+        fall below, from a caller who judges the surface himself; None: the surfaces are judged by
         cross-validation.
     stated_noise
         The noise that the settings state; None where it is learned.
@@ -188,86 +219,76 @@ def surface_estimates(
     """
 
     def work(stopped: str) -> SurfaceAnswers:
-        made = replace(runs, stopped=stopped) if stopped else runs
-        return _answered(
-            task,
-            surface,
-            made,
-            rng,
-            target_cov,
-            noise,
-            rivals,
-            max_points,
-            beta_std,
-            stated_noise,
-            stepped,
-        )
+        made = list(fitted)
+        if stopped:
+            made = [replace(one, runs=replace(one.runs, stopped=stopped)) for one in fitted]
+        return _answered(task, made, rng, target_cov, max_points, beta_std, stated_noise, stepped)
 
     return task.summed_up(work)
 
 
 def _answered(
     task: Task,
-    surface: ResponseSurface,
-    runs: DesignRuns,
+    fitted: Sequence[FittedKind],
     rng: np.random.Generator,
     target_cov: float,
-    noise: float,
-    rivals: Sequence[Rival],
     max_points: int,
     beta_std: FloatArray | None,
     stated_noise: float | None,
     stepped: bool,
 ) -> SurfaceAnswers:
-    problem = task.problem
-    inputs = problem.inputs
-    validated = surface.leave_one_out()
-    doubts = _doubts(runs, validated if beta_std is None else None)
-    if validated.contradicts(stated_noise):
-        doubts.append(
-            f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
-            f"{validated.rms:.2g}, {validated.ratio:.2g} times what the surface states"
-        )
+    problem, units = task.problem, SystemUnits.of(task.problem)
+    complete = all(one.runs.complete for one in fitted)
+    means = [one.surface.mean for one in fitted]
+    dimensions = [inputs.dimension for inputs in problem.kinds.inputs]
+    doubts = []
+    for kind, one in enumerate(fitted):
+        own = _doubts(one.runs, one.validated if beta_std is None else None)
+        if one.validated.contradicts(stated_noise):
+            own.append(
+                f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
+                f"{one.validated.rms:.2g}, {one.validated.ratio:.2g} times what the surface states"
+            )
+        doubts += [problem.of_kind(kind) + doubt for doubt in own]
     system = laid_out(
-        surface.mean, inputs.dimension, inputs.n_shared, SystemUnits.of(problem), task.criteria,
-        max_points, complete=runs.complete, trusted=not doubts,
+        means, dimensions, problem.kinds.n_shared, units, task.criteria, max_points,
+        complete=complete, trusted=not doubts,
     )  # fmt: skip
     if not doubts and not system.resolved:
         doubts = ["the surface changes too abruptly to be integrated accurately"]
-    outcomes = None if runs.complete else runs.outcomes
-    if inputs.dimension >= MANY_INPUTS:
-        fitted = runs.u[runs.finite], runs.y[runs.finite]
-        common = with_common_powers(surface.mean, *fitted, validated.residuals)
-        rivals = [*rivals, Rival(common, share=1.0)]
+    outcomes = None if complete else [one.runs.outcomes for one in fitted]
+    fitted = [one.with_common_powers() for one in fitted]
+    noise = [one.noise for one in fitted]
 
-    responses = system.responses(surface.mean, outcomes, noise)
+    responses = system.responses(means, outcomes, noise)
     # units differ by what the surface makes of their own inputs: is that more than its error?
-    blur = validated.rms
-    if system.together or _scatter(responses.whole[0], system.weights) > _CLEAR * blur:
-        blur = 0.0
+    blur = 0.0
+    for kind, one in enumerate(fitted if not system.together else []):
+        rms = one.validated.rms
+        if _scatter(responses.whole[kind], system.weights) <= _CLEAR * rms:
+            blur = max(blur, rms)
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
-    paths = surface.sample_paths(rng, _DRAWS)
-
-    def others(u: FloatArray) -> FloatArray:
-        return np.vstack([paths(u), *(rival.mean(u) for rival in rivals)])
-
-    drawn = system.coarse_responses(surface.mean, others, outcomes, noise)
-    shares = np.array([rival.share for rival in rivals])
-
-    known = runs.y[runs.finite]
+    drawn = system.coarse_responses(means, _others(fitted, rng), outcomes, noise)
 
     def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
         changes = system.changes_given(drawn, criteria)
+        thresholds = [one.threshold for one in criteria]
         # a surface that misses its own runs by more than it says is believed nowhere
-        of_units = system.units.thresholds([one.threshold for one in criteria])
-        factor = [
-            max(_overconfidence(validated, known, threshold) for threshold in column)
-            for column in of_units.T.tolist()
+        factors = [
+            [
+                max(_overconfidence(one.validated, one.known, threshold) for threshold in column)
+                for column in units.thresholds(thresholds, kind).T.tolist()
+            ]
+            for kind, one in enumerate(fitted)
         ]
-        spread = np.array(factor) * changes[:_DRAWS].std(axis=0, ddof=1)
-        if rivals:
-            distance = shares[:, None] * changes[_DRAWS:]
-            spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
+        spread = np.max(factors, axis=0) * changes[:_DRAWS].std(axis=0, ddof=1)
+        row = _DRAWS
+        for one in fitted:
+            if one.rivals:
+                own = changes[row : row + len(one.rivals)]
+                distance = np.array([[rival.share] for rival in one.rivals]) * own
+                spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
+                row += len(one.rivals)
         return np.asarray(spread)
 
     count = len(task.criteria)
@@ -283,9 +304,7 @@ def _answered(
             [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
             for criterion in criteria
         ]
-        sides = [
-            _step(known, validated, criterion, system.units) for criterion in criteria if stepped
-        ]
+        sides = [_step(fitted, criterion, units) for criterion in criteria if stepped]
         for side in zip(*sides, strict=True):
             beyond = reliability_indices(system.failures_given(responses, side))
             # the border lies somewhere in the step: two standard deviations reach its end
@@ -295,14 +314,37 @@ def _answered(
         density = _density(reliability_indices(found))
         errors.training[list(rows)] = density * spread
         getattr(errors, name)[list(rows)] = density * rest
+        runs = [one.runs for one in fitted]
         return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
 
     estimates = estimates_by_blocks(count, answers)
     shortfall = max(
-        _missed(validated, runs) / _poor(runs) if beta_std is None else 0.0,
+        *(_missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None),
+        0.0,
         *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
     )
     return SurfaceAnswers(estimates, errors, shortfall)
+
+
+def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surface]:
+    """Return for each kind the surfaces that tell the error: draws of all kinds, then rivals.
+
+    The draws of all kinds are made together; a rival of one kind meets the means of the others.
+    """
+
+    def others(kind: int, paths: Surface) -> Surface:
+        def surfaces(u: FloatArray) -> FloatArray:
+            own = fitted[kind].surface.mean(u) if len(fitted) > 1 else None
+            rows = [
+                rival.mean(u) if of_kind == kind else own
+                for of_kind, one in enumerate(fitted)
+                for rival in one.rivals
+            ]
+            return np.vstack([paths(u), *(row for row in rows if row is not None)])
+
+        return surfaces
+
+    return [others(kind, one.surface.sample_paths(rng, _DRAWS)) for kind, one in enumerate(fitted)]
 
 
 def _smaller(estimate: Estimate) -> float:
@@ -349,7 +391,7 @@ def _near(y: FloatArray, threshold: float) -> IntArray:
 
 
 def _step(
-    y: FloatArray, validated: LeaveOneOut, criterion: Criterion, units: SystemUnits
+    fitted: Sequence[FittedKind], criterion: Criterion, units: SystemUnits
 ) -> tuple[Criterion, Criterion]:
     """Return a criterion at both ends of the step of the responses in which its threshold lies.
 
@@ -358,19 +400,24 @@ def _step(
     the plateau it bends all along the edge to the same side, by about what left-out runs are
     missed by, of which twice as much is taken for a step.
     """
-    values, counts = np.unique(y, return_counts=True)
     low = high = criterion.threshold
-    for offset in units.offsets.tolist():
-        threshold = criterion.threshold - offset
-        above = int(np.searchsorted(values, threshold, side="right"))
-        ends = [i for i in (above - 1, above) if 0 <= i < values.size]
-        if any(counts[i] > 1 for i in ends):
-            low = min(low, float(values[ends[0]]) + offset)
-            high = max(high, float(values[ends[-1]]) + offset)
-        near = _near(y, threshold)
-        if (counts[np.searchsorted(values, y[near])] > 1).any():
-            bent = 2.0 * validated.among(near).rms
-            low, high = min(low, criterion.threshold - bent), max(high, criterion.threshold + bent)
+    for kind, one in enumerate(fitted):
+        y = one.known
+        values, counts = np.unique(y, return_counts=True)
+        for threshold in units.thresholds(criterion.threshold, kind).tolist():
+            offset = criterion.threshold - threshold
+            above = int(np.searchsorted(values, threshold, side="right"))
+            ends = [i for i in (above - 1, above) if 0 <= i < values.size]
+            if any(counts[i] > 1 for i in ends):
+                low = min(low, float(values[ends[0]]) + offset)
+                high = max(high, float(values[ends[-1]]) + offset)
+            near = _near(y, threshold)
+            if (counts[np.searchsorted(values, y[near])] > 1).any():
+                bent = 2.0 * one.validated.among(near).rms
+                low, high = (
+                    min(low, criterion.threshold - bent),
+                    max(high, criterion.threshold + bent),
+                )
     return replace(criterion, threshold=low), replace(criterion, threshold=high)
 
 
@@ -381,7 +428,7 @@ def _estimates(
     rest_name: str,
     criteria: Sequence[Criterion],
     doubts: list[list[str]],
-    runs: DesignRuns,
+    runs: Sequence[DesignRuns],
     target_cov: float,
 ) -> list[Estimate]:
     from scipy.special import ndtr
@@ -407,14 +454,14 @@ def _estimate(
     criterion: Criterion,
     doubts: list[str],
     mostly: str,
-    runs: DesignRuns,
+    runs: Sequence[DesignRuns],
     target_cov: float,
 ) -> Estimate:
     certain = found.pf in (0.0, 1.0)
     # what the surface says about its own error says nothing about what it does not describe
     if certain and math.isfinite(criterion.threshold):
         doubts = [*doubts, f"pf = {found.pf:g} is the surface's: no run says what lies beyond it"]
-    unknown = not runs.complete or bool(doubts)
+    unknown = bool(doubts) or not all(one.complete for one in runs)
     if not (certain or unknown) and std_error > target_cov * min(found.pf, found.reliability):
         doubts = [
             *doubts,
@@ -424,10 +471,13 @@ def _estimate(
     if unknown:
         std_error = low = high = math.nan
         certain = False
-    exhausted = runs.y.size < runs.asked or bool(runs.stopped)
+    made, asked = sum(one.y.size for one in runs), sum(one.asked for one in runs)
+    stopped = runs[0].stopped
+    exhausted = made < asked or bool(stopped)
     if exhausted:
-        note = [f"{runs.y.size} of the {runs.asked} runs that the settings ask for"]
-        note = [*note[runs.y.size == runs.asked :], *([runs.stopped] if runs.stopped else [])]
+        note = [f"{made} of the {asked} runs that the settings ask for"]
+        note = [*note[made == asked :], *([stopped] if stopped else [])]
+    failed = any(one.failed for one in runs)
     return Estimate(
         pf=found.pf,
         reliability=found.reliability,
@@ -435,8 +485,8 @@ def _estimate(
         ci_low=found.pf if certain else min(low, found.pf),
         ci_high=found.pf if certain else max(high, found.pf),
         ci_kind="" if unknown else CI_KIND,
-        pf_low=0.0 if runs.failed else found.pf,
-        pf_high=1.0 if runs.failed else found.pf,
+        pf_low=0.0 if failed else found.pf,
+        pf_high=1.0 if failed else found.pf,
         error_kind="none" if unknown else "surrogate",
         status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
         message="; ".join([*doubts, *(note if exhausted else [])]),

@@ -95,20 +95,26 @@ def header(
     }
 
 
-def _differences(problem: Problem) -> dict[str, Any]:
+def _differences(problem: Problem) -> dict[str, list[Any]]:
     """Return what sets units apart that differ by more than their own draws."""
     if problem.exchangeable or isinstance(problem.units, int):
         return {}
-    return {"names": list(problem.unit_names), "offsets": [unit.offset for unit in problem.units]}
+    offsets = [unit.offset for unit in problem.units]
+    found: dict[str, list[Any]] = {"names": list(problem.unit_names), "offsets": offsets}
+    if len(problem.kinds.models) > 1 and problem.kinds.of_units is not None:
+        found["kinds"] = problem.kinds.of_units.tolist()
+    return found
 
 
 def _fingerprint(problem: Problem) -> str:
-    """Digest of the joint distribution: where it maps a few points of standard-normal space."""
-    d = problem.inputs.dimension
-    probe = np.sin(np.arange(1.0, 4 * d + 1.0)).reshape(4, d)
-    mapped = problem.inputs.from_standard_normal(probe)
+    """Digest of the joint distributions: where they map a few points of standard-normal space."""
+    mapped = []
+    for inputs in problem.kinds.inputs:
+        d = inputs.dimension
+        probe = np.sin(np.arange(1.0, 4 * d + 1.0)).reshape(4, d)
+        mapped.append(inputs.from_standard_normal(probe).ravel())
     # nine digits: the last ones may differ between machines
-    text = " ".join(f"{value:.9e}" for value in mapped.ravel())
+    text = " ".join(f"{value:.9e}" for value in np.concatenate(mapped))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
