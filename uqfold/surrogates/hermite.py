@@ -66,25 +66,26 @@ def product_basis(
 ) -> FloatArray:
     """Evaluate products (n, P) of any polynomials, one kind for each of the d variables."""
     degrees = indices.max(axis=0, initial=0)
-    basis = np.ones((u.shape[0], indices.shape[0]))
+    # one polynomial after the other in memory
+    basis = np.ones((indices.shape[0], u.shape[0]))
     for column, degree in enumerate(degrees):
         if degree > 0:
             # of many variables, most polynomials hold few
             some = np.flatnonzero(indices[:, column])
-            values = polynomials[column](u[:, column], int(degree))
-            basis[:, some] *= values[:, indices[some, column]]
-    return basis
+            values = polynomials[column](u[:, column], int(degree)).T
+            basis[some] *= values[indices[some, column]]
+    return basis.T
 
 
 def one_dimensional(x: FloatArray, degree: int) -> FloatArray:
     """Values (n, degree + 1) of the orthonormal Hermite polynomials at x (n,)."""
-    values = np.empty((x.size, degree + 1))
-    values[:, 0] = 1.0
+    values = np.empty((degree + 1, x.size))
+    values[0] = 1.0
     if degree > 0:
-        values[:, 1] = x
+        values[1] = x
     for k in range(1, degree):
-        values[:, k + 1] = (x * values[:, k] - math.sqrt(k) * values[:, k - 1]) / math.sqrt(k + 1)
-    return values
+        values[k + 1] = (x * values[k] - math.sqrt(k) * values[k - 1]) / math.sqrt(k + 1)
+    return values.T
 
 
 def rescaled(degree: int, factor: float) -> FloatArray:

@@ -17,9 +17,15 @@ KernelChoice: TypeAlias = Literal["best", "gaussian", "matern52"]
 def correlation(kernel: Kernel, squared: FloatArray) -> FloatArray:
     """Correlation of two points from their squared scaled distance sum_i (du_i / l_i)^2."""
     if kernel == "gaussian":
-        return np.asarray(np.exp(-0.5 * squared))
+        half = -0.5 * squared
+        return np.exp(half, out=half)
     a = np.sqrt(5.0 * squared)
-    return np.asarray((1.0 + a + a * a / 3.0) * np.exp(-a))
+    polynomial = a / 3.0
+    polynomial += 1.0
+    polynomial *= a
+    polynomial += 1.0
+    polynomial *= np.exp(np.negative(a, out=a), out=a)
+    return polynomial
 
 
 def correlation_and_slope(kernel: Kernel, squared: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -35,8 +41,10 @@ def correlation_and_slope(kernel: Kernel, squared: FloatArray) -> tuple[FloatArr
 def scaled_squared_distances(a: FloatArray, b: FloatArray, length_scales: FloatArray) -> FloatArray:
     """Squared scaled distances (m, n) between the rows of a (m, d) and b (n, d)."""
     a, b = a / length_scales, b / length_scales
-    squared = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1) - 2.0 * (a @ b.T)
-    return np.asarray(np.maximum(squared, 0.0))
+    squared = a @ (-2.0 * b.T)
+    squared += (a * a).sum(axis=1)[:, None]
+    squared += (b * b).sum(axis=1)
+    return np.asarray(np.maximum(squared, 0.0, out=squared))
 
 
 def spectral_frequencies(

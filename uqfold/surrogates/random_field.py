@@ -16,7 +16,7 @@ from uqfold.surrogates.kernels import Kernel, spectral_frequencies
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
-_CHUNK = 2048
+_CHUNK = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +44,10 @@ class RandomField:
         for start in range(0, u.shape[0], _CHUNK):
             check_time()
             phase = u[start : start + _CHUNK] @ self.frequencies
-            waves = np.hstack([np.cos(phase), np.sin(phase)])
-            out[:, start : start + _CHUNK] = (waves @ self.amplitudes).T
+            half = phase.shape[1]
+            some = np.cos(phase) @ self.amplitudes[:half]
+            some += np.sin(phase) @ self.amplitudes[half:]
+            out[:, start : start + _CHUNK] = some.T
         return out
 
 

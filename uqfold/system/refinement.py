@@ -209,10 +209,11 @@ def _need(
 
     first = len(GAUSS)
     finer = found(first)
-    errors = [_distance(found(level), finer, compared) for level in range(first)]
-    for level, error in enumerate(errors):
-        if error <= TOLERANCE:
-            return Need(level, tuple(errors[: level + 1]))
+    errors: list[float] = []
+    for level in range(first):
+        errors.append(_distance(found(level), finer, compared))
+        if errors[-1] <= TOLERANCE:
+            return Need(level, tuple(errors))
     for level in range(first, first + len(EQUAL_STEPS) - 1):
         coarser, finer = finer, found(level + 1)
         errors.append(_distance(coarser, finer, compared))
