@@ -3,11 +3,13 @@
 Byte code is kept, also where the environment asks for none: each process would compile the whole
 package anew. Ctrl-C is heard: a job in the background of a shell hands on that it is ignored.
 BLAS runs on one thread unless the environment says otherwise: tests run side by side, and threads
-of small matrices only wait for each other.
+of small matrices only wait for each other. The wing is compiled once, while the workers collect,
+rather than by each of them: it takes half a minute.
 """
 
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 
@@ -19,6 +21,35 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", os.environ.get("OMP_NUM_THREADS", "1"))
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+COMPILING = """
+from uqfold.mechanism import WingParameters, deployment_times, ideal_deployment_times, trajectory
+from uqfold.mechanism.record import NO_RECORD
+from uqfold.mechanism.stiff import deploy_stiff
+from uqfold.mechanism.wing import Wings
+
+wing = WingParameters(t_max=1e-3)
+deployment_times(wing)
+trajectory(wing)
+ideal_deployment_times(wing)
+deploy_stiff(Wings(wing).table(), 1e-6, NO_RECORD)
+"""
+"""Calls every function of the mechanism that is kept on disk."""
+COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile the wing beside the workers, in the process that only hands out tests to them."""
+    if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        config.stash[COMPILER] = subprocess.Popen(
+            [sys.executable, "-c", COMPILING], cwd=config.rootpath, stderr=subprocess.DEVNULL
+        )
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if COMPILER in config.stash:
+        config.stash[COMPILER].terminate()
+        config.stash[COMPILER].wait()
 
 
 @pytest.fixture(scope="module")

@@ -34,6 +34,17 @@ def test_both_tails_of_a_normal_are_exact_between_and_beyond_the_levels() -> Non
     assert_allclose(table.pdf(y), stats.norm.pdf(y, 0.55, 0.01), rtol=1e-8)
 
 
+def test_levels_have_their_scores_to_the_last_bit_and_need_no_curve() -> None:
+    table = gumbel_table()
+    assert (table.score(table.levels[::8]) == SCORES[::8]).all()
+    assert table.score(table.levels[-1]) == SCORES[-1]
+    assert "_curve" not in vars(table)
+    # one value between levels is enough to ask for it
+    mixed = table.score([table.levels[3], 0.5 * (table.levels[3] + table.levels[4])])
+    assert_allclose(mixed[0], SCORES[3], rtol=1e-12)
+    assert SCORES[3] < mixed[1] < SCORES[4]
+
+
 def test_a_skewed_distribution_is_interpolated_in_both_tails() -> None:
     table = gumbel_table()
     z = np.array([-7.03, -4.47, -0.61, 0.02, 1.93, 5.55, 7.77])

@@ -53,7 +53,8 @@ class TabulatedDistribution:
             )
         if not (np.isfinite(self.levels).all() and np.isfinite(self.scores).all()):
             raise ValueError("levels and scores must be finite")
-        if not ((np.diff(self.levels) > 0).all() and (np.diff(self.scores) > 0).all()):
+        levels, scores = self.levels, self.scores
+        if not ((levels[1:] > levels[:-1]).all() and (scores[1:] > scores[:-1]).all()):
             raise ValueError("levels and scores must both increase strictly")
 
     @cached_property
@@ -95,6 +96,10 @@ class TabulatedDistribution:
 
     def score(self, y: ArrayLike) -> FloatArray:
         """Normal score Phi^-1(P(Y <= y))."""
+        # most tables are asked once, at a threshold that is one of their levels: no curve is needed
+        near = np.minimum(np.searchsorted(self.levels, y), self.levels.size - 1)
+        if (self.levels[near] == y).all():
+            return np.asarray(self.scores[near])
         x = self._scaled(y)
         (first, last), (before, after) = self._ends
         score = self._curve(np.clip(x, first, last)) + before * np.minimum(x - first, 0.0)

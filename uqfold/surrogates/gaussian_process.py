@@ -43,7 +43,7 @@ from uqfold.typing import FloatArray, IntArray
 
 LARGEST_NOISE = 1e100
 """As a standard deviation, and in those of the responses: its square has to fit into a float."""
-# Rows handled at once: keeps the distance matrix in the processor's cache.
+# Rows handled at once: keeps the distance matrix to a hundred runs in a core's own cache.
 _CHUNK = 512
 # Hyperparameters are learned on at most so many points: the cost grows with the cube.
 _LEARNED_ON = 300

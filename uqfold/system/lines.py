@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -218,28 +218,34 @@ class LineRule:
         corrected = parts.mean(axis=0) - slope * (weight.mean() - 1.0)
         return np.asarray(np.maximum(corrected, 0.0))
 
+    @cached_property
+    def _point_masses(self) -> FloatArray:
+        """Probability (lines * stations,) that each point stands for."""
+        density = self._mass(*_cells(self.stations))
+        return np.outer(self.weights / self.weights.sum(), density / density.sum()).ravel()
+
     def _levels(self, table: FloatArray) -> FloatArray:
         """Levels that lie about evenly in normal score, from the values at the points alone."""
-        from scipy.special import ndtri
-
-        density = self._mass(*_cells(self.stations))
-        mass = np.outer(self.weights / self.weights.sum(), density / density.sum()).ravel()
+        mass = self._point_masses
         order = np.argsort(table, axis=None)
         value, mass = table.ravel()[order], mass[order]
         below = np.cumsum(mass) - 0.5 * mass
         above = np.cumsum(mass[::-1])[::-1] - 0.5 * mass
-        score = np.where(below < above, ndtri(below), -ndtri(np.maximum(above, 1e-300)))
+        score = _normal_score(below, np.maximum(above, 1e-300))
         targets = _FEW_TARGETS if self.short else _TARGETS
         spread = np.interp(targets, np.maximum.accumulate(score), value)
         asked = self.asked[(self.asked > spread[0]) & (self.asked < spread[-1])]
         levels = np.concatenate([asked, spread])
         order = np.argsort(levels, kind="stable")
         # of levels that nearly coincide one is enough, an asked one rather than another
-        apart = np.diff(levels[order], prepend=-np.inf) > _SMALLEST_STEP * np.ptp(spread)
-        group = np.cumsum(apart)
+        found = levels[order]
+        apart = np.append(True, found[1:] - found[:-1] > _SMALLEST_STEP * np.ptp(spread))
+        if apart.all():
+            return found
+        group = np.cumsum(apart) - 1
         first = np.full(group[-1] + 1, levels.size)
         np.minimum.at(first, group, order)
-        return np.asarray(levels[first[1:]])
+        return np.asarray(levels[first])
 
 
 def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -328,19 +334,26 @@ def _refinement(stations: int) -> tuple[FloatArray, FloatArray]:
     return fine, CubicSpline(coarse, np.eye(stations))(fine)
 
 
+def _normal_score(below: FloatArray, above: FloatArray) -> FloatArray:
+    """Phi^-1(P(Y <= y)) from the smaller of both tails."""
+    from scipy.special import ndtri
+
+    lower = below < above
+    score = ndtri(np.where(lower, below, above))
+    return np.asarray(np.where(lower, score, -score))
+
+
 def _tabulated(
     levels: FloatArray, below: FloatArray, above: FloatArray
 ) -> TabulatedDistribution | AtomicDistribution:
     """Table of normal scores, without levels between which hardly any probability lies."""
-    from scipy.special import ndtri
-
     # parts so far out that they hold no probability at all say nothing
     whole = np.maximum(below + above, 1e-300)
     below, above = below / whole, above / whole
-    score = np.where(below < above, ndtri(below), -ndtri(above))
+    score = _normal_score(below, above)
     some = np.flatnonzero(np.minimum(below, above) > 1e-16)
     kept: list[int] = some.tolist()
-    if not (np.diff(score[some]) > _SMALLEST_STEP).all():
+    if not (score[some][1:] - score[some][:-1] > _SMALLEST_STEP).all():
         kept = kept[:1]
         for index in some[1:].tolist():
             if score[index] > score[kept[-1]] + _SMALLEST_STEP:
