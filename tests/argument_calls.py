@@ -176,7 +176,8 @@ WITHOUT_ARGUMENT_CHECKS = {
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
     "methods.AskTellSession.replay",
     "methods.Estimate.without_answer", "methods.Task.generator",
-    "methods.Task.summed_up", "testing.LinearNormalSystem.response",
+    "methods.Task.summed_up", "testing.LinearNormalSystem.partner",
+    "testing.LinearNormalSystem.response",
     "validation.Work.parts", "validation.Work.pick", "validation.Work.progress",
     "validation.record_schema", "comparison.record_schema",
     # records without fields: their verbs are in the table
@@ -351,6 +352,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "individual": anything(None),
                 "offset": any_number(),
                 "name": text(),
+                "low_fidelity": optional(thing(response)),
             },
         ),
         "compare": Call(
@@ -707,6 +709,16 @@ def calls(folder: Path) -> dict[str, Call]:
                 "blocks": optional(count()),
                 "missions_per_draw": count(),
                 "target_cov": number(),
+            },
+        ),
+        "methods.MultifidelityMonteCarlo": Call(
+            methods.MultifidelityMonteCarlo,
+            {
+                "systems": optional(count()),
+                "partner_systems": optional(count()),
+                "cost_ratio": number(),
+                "pilot": count(10),
+                "target_cov": optional(number()),
             },
         ),
         "methods.Estimate": Call(methods.Estimate, estimate),

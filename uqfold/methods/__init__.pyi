@@ -13,6 +13,9 @@ from uqfold.methods.ffni_pearson import FFNIPearson as FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint as FFNISaddlepoint
 from uqfold.methods.kriging import Kriging as Kriging
 from uqfold.methods.monte_carlo import MonteCarlo as MonteCarlo
+from uqfold.methods.multifidelity_monte_carlo import (
+    MultifidelityMonteCarlo as MultifidelityMonteCarlo,
+)
 from uqfold.methods.openturns_form import OpenTURNSFORM as OpenTURNSFORM
 from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo as OpenTURNSMonteCarlo
 from uqfold.methods.polynomial_chaos import PolynomialChaos as PolynomialChaos

@@ -11,7 +11,7 @@ import time
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
 import numpy as np
@@ -68,12 +68,15 @@ class Task:
         Recorded seed of this run.
     session
         The counted access to the model, with the budget, the time and the progress display.
+    evaluator
+        How the runs are made.
     """
 
     problem: Problem
     criteria: tuple[Criterion, ...]
     seed: int
     session: EvaluationSession
+    evaluator: Evaluator = field(default_factory=Evaluator)
 
     def summed_up(self, work: Callable[[str], T]) -> T:
         """Do work that makes an answer of the runs there are, also when the time ends meanwhile.
@@ -270,7 +273,7 @@ class ReliabilityMethod(ABC):
             session = settings.session_of_told(model, problem.kinds.columns, budget)
         reasons = tuple(self.supports(problem, criterion) for criterion in asked)
         supported = tuple(c for c, reason in zip(asked, reasons, strict=True) if reason is None)
-        return OpenRun(asked, reasons, Task(problem, supported, seed, session))
+        return OpenRun(asked, reasons, Task(problem, supported, seed, session, settings))
 
     def _finished(self, run: OpenRun, solution: Solution, seconds: float) -> ReliabilityResult:
         """Join the answers of the hook with the unsupported criteria, and with the cost."""

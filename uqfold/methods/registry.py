@@ -21,6 +21,7 @@ _BUILT_IN: dict[str, str] = {
     "active-kriging": "uqfold.methods.active_kriging:ActiveKriging",
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
+    "multifidelity-mc": "uqfold.methods.multifidelity_monte_carlo:MultifidelityMonteCarlo",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
 }

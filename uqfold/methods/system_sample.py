@@ -85,10 +85,31 @@ class SystemBlock:
     def first(self, n_rows: int) -> SystemBlock:
         """Return the systems whose rows are all among the first ones, perhaps none."""
         ends = np.cumsum(self.rows.sum(axis=1)) * self.units.count
-        complete = int(np.searchsorted(ends, n_rows, side="right"))
-        rows = int(ends[complete - 1]) if complete else 0
-        flown = {profile: count[:complete] for profile, count in self.flown.items()}
-        return SystemBlock(self.criteria, self.x[:rows], self.rows[:complete], self.units, flown)
+        return self.take(np.arange(np.searchsorted(ends, n_rows, side="right")))
+
+    def take(self, systems: IntArray) -> SystemBlock:
+        """Return some of the systems, by their numbers, which ascend."""
+        chosen = np.zeros(len(self.rows), dtype=bool)
+        chosen[systems] = True
+        x = self.x[np.repeat(chosen, self.rows.sum(axis=1) * self.units.count)]
+        flown = {profile: count[systems] for profile, count in self.flown.items()}
+        return SystemBlock(self.criteria, x, self.rows[systems], self.units, flown)
+
+    @staticmethod
+    def joined(blocks: Sequence[SystemBlock]) -> SystemBlock:
+        """Return the systems of several blocks, one block after the other, as one."""
+        first = blocks[0]
+        x, rows = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("x", "rows"))
+        flown = {p: np.concatenate([b.flown[p] for b in blocks]) for p in first.flown}
+        return SystemBlock(first.criteria, x, rows, first.units, flown)
+
+    def margins(self, responses: FloatArray, *, missing_fails: bool) -> FloatArray:
+        """Margin of each system under each criterion (n_criteria, size), see `Worst.margin`.
+
+        Parameters as in `failed`.
+        """
+        worst = self._worst(responses, missing_fails)
+        return np.array([worst[c.missions].margin(c.threshold, c.tau) for c in self.criteria])
 
     def failed(self, responses: FloatArray, *, missing_fails: bool) -> BoolArray:
         """Which systems fail each criterion (n_criteria, size).

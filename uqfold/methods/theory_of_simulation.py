@@ -71,6 +71,49 @@ CONDITIONAL_MONTE_CARLO = Theory(
     ),
 )
 
+MULTIFIDELITY = Theory(
+    summary=(
+        "Monte Carlo with a cheap partner of the model. The partner judges many systems; the model "
+        "runs on some of them, chosen with unequal probabilities that are nowhere zero, and "
+        "corrects the verdicts of the partner without bias. A pilot shows how the margins of the "
+        "two differ near the limits; from that follow the probability that a verdict is wrong, how "
+        "often the model is asked, and how many systems the partner gets. The interval goes on to "
+        "what the partner may hide where no system of the sample has shown it wrong."
+    ),
+    equations=(
+        Equation(
+            "Of N systems, L = 1 marks those that fail by the partner and H = 1 those that fail by "
+            "the model, which is run on a sample S, each chosen with its own probability",
+            r"\hat{p}_f = \frac{1}{N} \sum_{i=1}^{N} L_i + \frac{1}{N} \sum_{i \in S} "
+            r"\frac{H_i - L_i}{\pi_i}",
+        ),
+        Equation(
+            "with the standard error",
+            r"\hat{\sigma}^2 = \frac{\hat{p}_f (1 - \hat{p}_f)}{N} + \frac{1}{N^2} "
+            r"\sum_{i \in S} \frac{1 - \pi_i}{\pi_i^2} (H_i - L_i)^2",
+        ),
+        Equation(
+            "The probabilities follow the chance q that the partner's verdict is wrong at its "
+            "margin, beside a part a that is spread evenly",
+            r"\pi_i \propto (1 - a) \frac{\sqrt{q_i}}{\operatorname{mean} \sqrt{q}} + a",
+        ),
+    ),
+    references=(
+        "Neyman J. Contribution to the theory of sampling human populations. Journal of the "
+        "American Statistical Association 33 (1938) 101-116.",
+        "Duffield N., Lund C., Thorup M. Priority sampling for estimation of arbitrary subset "
+        "sums. Journal of the ACM 54 (2007) 32.",
+        "Ng L.W.T., Willcox K.E. Multifidelity approaches for optimization under uncertainty. "
+        "International Journal for Numerical Methods in Engineering 100 (2014) 746-772.",
+        "Peherstorfer B., Cui T., Marzouk Y., Willcox K. Multifidelity importance sampling. "
+        "Computer Methods in Applied Mechanics and Engineering 300 (2016) 490-509.",
+        "Fay M.P., Feuer E.J. Confidence intervals for directly standardized rates: a method "
+        "based on the gamma distribution. Statistics in Medicine 16 (1997) 791-801.",
+        "Zou G.Y., Donner A. Construction of confidence limits about effect measures: a general "
+        "approach. Statistics in Medicine 27 (2008) 1693-1702.",
+    ),
+)
+
 OPENTURNS_MONTE_CARLO = Theory(
     summary=(
         "Monte Carlo simulation by OpenTURNS. The whole system is one event in standard-normal "

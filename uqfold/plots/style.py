@@ -37,13 +37,13 @@ _FIXED = {
     "active-kriging": MethodStyle("#7F6A00", "X"),
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
+    "multifidelity-mc": MethodStyle("#117733", "p"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
 """Their colours and markers."""
 FURTHER_STYLES = (
     MethodStyle("#5D3A9B", ">"),
-    MethodStyle("#117733", "p"),
     MethodStyle("#8C510A", "h"),
     MethodStyle("#3F9C8D", "d"),
     MethodStyle("#AA4499", "H"),

@@ -66,8 +66,10 @@ class Problem:
         How the units make up the system: `Series()` by default, `Parallel()`, `KOutOfN(k)`,
         `CutSets(sets)`, `PathSets(sets)` or `Structure(expression)`.
     low_fidelity
-        A cheaper partner model with the same arguments, or None. No method runs it: it is for
-        those who want a first look, as the studies do.
+        A cheaper partner model with the same arguments, or None: coarser, simpler, or fitted to
+        earlier runs. `uqfold.methods.MultifidelityMonteCarlo` runs it many times, to know where
+        runs of the model decide; its answer is without bias however wrong the partner is, and the
+        cheaper the better it is. No other method runs it. A failed run of it (NaN) does no harm.
     version
         Text that identifies the model's version to a store, or None (nothing is stored).
     name, response, input_units, response_unit
@@ -159,11 +161,12 @@ class Problem:
             if own:
                 remedy = "with inputs=, all units have the same; give shared= and individual="
                 raise refused("units", own[0], remedy)
-        kinds = UnitKinds.of(self.units, model, joint, shared)
+        kinds = UnitKinds.of(self.units, model, joint, shared, low_fidelity)
         object.__setattr__(self, "kinds", kinds)
         if len(kinds.models) == 1:
             object.__setattr__(self, "model", kinds.model)
             object.__setattr__(self, "inputs", kinds.inputs[0])
+            object.__setattr__(self, "low_fidelity", kinds.partners[0])
         if not isinstance(self.structure, Series):
             checked_structure(self.structure, self.unit_names)
 

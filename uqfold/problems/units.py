@@ -30,17 +30,22 @@ class Unit:
         Added to its response, in the response's unit.
     name
         How reports, and a `Structure`, call it.
+    low_fidelity
+        A cheaper partner of its own model, or None for the problem's, which serves units without
+        a model of their own.
     """
 
     model: Model | None = None
     individual: Any = None
     offset: float = 0.0
     name: str = ""
+    low_fidelity: Model | None = None
 
     def __post_init__(self) -> None:
         keep(self, "model", or_none, function, "give a function of X (n, d)")
         keep(self, "offset", real)
         keep(self, "name", text, empty=True)
+        keep(self, "low_fidelity", or_none, function, "give a function of X (n, d)")
 
 
 def checked_units(units: Any) -> int | tuple[Unit, ...]:
@@ -63,16 +68,24 @@ class UnitKinds:
     of_units, offsets
         The kind of each unit (n,), and what is added to its response (n,); both None where only the
         number of units was given, which may be very large.
+    partners
+        The cheaper partner of each kind's model, or None.
     """
 
     models: tuple[Model, ...]
     inputs: tuple[JointInputs, ...]
     of_units: IntArray | None = None
     offsets: FloatArray | None = None
+    partners: tuple[Model | None, ...] = (None,)
 
     @classmethod
     def of(
-        cls, units: int | tuple[Unit, ...], model: Model, inputs: JointInputs, shared: Any
+        cls,
+        units: int | tuple[Unit, ...],
+        model: Model,
+        inputs: JointInputs,
+        shared: Any,
+        low_fidelity: Model | None = None,
     ) -> UnitKinds:
         """Sort units into kinds.
 
@@ -84,11 +97,13 @@ class UnitKinds:
             Those of units without their own.
         shared
             Distribution of the shared inputs, for units with individual inputs of their own.
+        low_fidelity
+            Cheaper partner of `model`, or None.
         """
         if isinstance(units, int):
-            return cls((model,), (inputs,))
+            return cls((model,), (inputs,), partners=(low_fidelity,))
         known: dict[int, JointInputs] = {}
-        kinds: list[tuple[Model, JointInputs]] = []
+        kinds: list[tuple[Model, JointInputs, Model | None]] = []
         of_units = []
         for unit in units:
             own = known.get(id(unit.individual))
@@ -96,12 +111,20 @@ class UnitKinds:
                 own = inputs if unit.individual is None else _inputs_of(unit, inputs, shared)
                 own = next((one for one in known.values() if _alike(one, own, inputs)), own)
                 known[id(unit.individual)] = own
-            kind = unit.model or model, own
-            same = [i for i, one in enumerate(kinds) if one[1] is own and _is_same(one[0], kind[0])]
+            partner = unit.low_fidelity
+            if partner is None and (unit.model is None or _is_same(unit.model, model)):
+                partner = low_fidelity
+            kind = unit.model or model, own, partner
+            same = [
+                i
+                for i, one in enumerate(kinds)
+                if one[1] is own and _is_same(one[0], kind[0]) and _is_same(one[2], partner)
+            ]
             of_units.append(same[0] if same else len(kinds))
             kinds += [] if same else [kind]
-        models, all_inputs = zip(*kinds, strict=True)
-        return cls(models, all_inputs, np.array(of_units), np.array([u.offset for u in units]))
+        models, all_inputs, partners = zip(*kinds, strict=True)
+        offsets = np.array([u.offset for u in units])
+        return cls(models, all_inputs, np.array(of_units), offsets, partners)
 
     @property
     def equal(self) -> bool:
@@ -134,6 +157,14 @@ class UnitKinds:
         if len(self.models) == 1:
             return self.models[0]
         return ModelOfKinds(self.models, tuple(one.dimension for one in self.inputs))
+
+    @property
+    def partner(self) -> Model | None:
+        """The cheaper partner of `model`; None unless every kind has one."""
+        partners = [one for one in self.partners if one is not None]
+        if len(partners) < len(self.models):
+            return None
+        return replace(self, models=tuple(partners)).model
 
     def rows(self, u: FloatArray) -> FloatArray:
         """Return the inputs (..., n, columns) of n units from their variables (..., n, dimension).
@@ -209,7 +240,7 @@ class ModelOfKinds:
         return y
 
 
-def _is_same(one: Model, other: Model) -> bool:
+def _is_same(one: Model | None, other: Model | None) -> bool:
     """Whether two models are one: a method of an object is another one whenever it is named."""
     return one is other or (isinstance(one, MethodType) and one == other)
 

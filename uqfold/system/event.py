@@ -62,6 +62,15 @@ class Worst:
             fails |= (self.apart > tau) | (self.apart == np.inf)
         return np.asarray(fails)
 
+    def margin(self, threshold: float, tau: float | None) -> FloatArray:
+        """How far beyond T or tau each mission or system is: > 0 exactly where it `fails`."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            margin = np.where(np.isinf(self.late), self.late, self.late - threshold)
+            if tau is not None:
+                apart = np.where(np.isinf(self.apart), self.apart, self.apart - tau)
+                margin = np.maximum(margin, apart)
+        return margin
+
 
 def mission_fails(
     y: FloatArray,

@@ -101,7 +101,7 @@ def check_plain_limit_state(method: ReliabilityMethod, settings: Settings) -> No
         return 2.0 - (x[:, 0] + 2.0 * x[:, 1] - 3.0) / math.sqrt(5.0)
 
     inputs = {"a": normal(1.0, 1.0), "b": normal(1.0, 1.0)}
-    problem = Problem.from_limit_state(g, inputs)
+    problem = Problem.from_limit_state(g, inputs, low_fidelity=lambda x: 0.1 - g(x))
     row = method.estimate(problem, max_evals=settings.max_evals, rng=22)[0]
     judge(method, row, 0.022750131948179195, settings, "limit state with beta = 2")
 
@@ -114,10 +114,13 @@ def check_scale_and_shift(method: ReliabilityMethod, settings: Settings) -> None
     def rescaled(x: FloatArray) -> FloatArray:
         return scale * system.response(x) + shift
 
+    def partner(x: FloatArray) -> FloatArray:
+        return scale * system.partner(x) + shift
+
     other = Problem(
         rescaled, shared=plain.inputs.marginals[0],
         individual=plain.inputs.marginals[1:], units=system.units,
-        names=plain.inputs.names,
+        names=plain.inputs.names, low_fidelity=partner,
     )  # fmt: skip
     for tau in (None, 2.5):
         first = Criterion(12.0, tau)
@@ -138,7 +141,7 @@ def check_order_of_inputs_does_not_matter(method: ReliabilityMethod, settings: S
     problem = Problem(
         swapped, shared=inputs.marginals[0],
         individual=inputs.marginals[:0:-1], names=["V", "W", "U"],
-        units=system.units,
+        units=system.units, low_fidelity=lambda x: system.partner(x[:, [0, 2, 1]]),
     )  # fmt: skip
     criterion = Criterion(12.0)
     row = method.estimate(problem, criterion, max_evals=settings.max_evals, rng=24)[0]

@@ -79,6 +79,7 @@ def counted(system: LinearNormalSystem) -> tuple[Problem, CountingModel]:
         individual=plain.inputs.marginals[1:],
         names=plain.inputs.names,
         units=system.units,
+        low_fidelity=plain.low_fidelity,
         name="counted",
     )
     return problem, model

@@ -43,6 +43,7 @@ class CurvedSystem:
             shared={"V": normal(0.0, 1.0)},
             individual={"U": normal(0.0, 1.0), "W": normal(0.0, 1.0)},
             units=self.units,
+            low_fidelity=self.partner,
             name="curved",
         )
 
@@ -50,6 +51,10 @@ class CurvedSystem:
         """Responses (n,) of X (n, 3) with columns V, U, W."""
         mean, std = self._given(x[:, 0], x[:, 1])
         return mean + std * x[:, 2]
+
+    def partner(self, x: FloatArray) -> FloatArray:
+        """Responses (n,) of a cheaper partner, which knows nothing of how the inputs interact."""
+        return self._given(0.0 * x[:, 0], x[:, 1])[0] + self.shared_std * x[:, 0] + 0.5 * x[:, 2]
 
     def pf(self, threshold: float) -> float:
         """Exact probability that a unit exceeds the threshold, to about 1e-12 relative."""

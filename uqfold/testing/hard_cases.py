@@ -30,6 +30,7 @@ def _with_model(system: LinearNormalSystem, model: Callable[[FloatArray], FloatA
         individual=inputs.marginals[1:],
         names=inputs.names,
         units=system.units,
+        low_fidelity=system.partner,
         name="hard",
     )
 

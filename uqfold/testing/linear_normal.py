@@ -75,6 +75,7 @@ class LinearNormalSystem:
             individual={"U": normal(0.0, 1.0), "W": normal(0.0, 1.0)},
             units=self.units,
             structure=self.structure,
+            low_fidelity=self.partner,
             name="linear-normal",
         )
 
@@ -82,6 +83,10 @@ class LinearNormalSystem:
         """Responses (n,) of X (n, 3) with columns V, U, W."""
         individual = 0.6 * x[:, 1] + 0.8 * x[:, 2]
         return self.mean + self.shared_std * x[:, 0] + self.individual_std * individual
+
+    def partner(self, x: FloatArray) -> FloatArray:
+        """Responses (n,) of a cheaper partner: it errs by a wave, and by a tenth of a deviation."""
+        return self.response(x) + 0.1 * self.individual_std * (1.0 + np.sin(3.0 * x[:, 1]))
 
     def pf(self, criterion: Criterion) -> float:
         """Exact failure probability, to about 1e-12 relative."""
