@@ -262,7 +262,8 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
     if said:
         page.section("What the methods say of their own answers")
         rows = pd.concat(said, ignore_index=True).query("status != 'converged'")
-        rows["message"] = rows["message"].fillna("").replace("", "nobody estimated its error")
+        message = rows["message"].astype(object).fillna("")
+        rows["message"] = message.where(message != "", "nobody estimated the error of the answer")
         counts = rows.value_counts(["label", "status", "message"]).reset_index(name="rows")
         more = f"{len(counts)} different messages in all." if len(counts) > 12 else ""
         page.table(counts.head(12), "Answers that are not converged", more)

@@ -932,7 +932,6 @@ def calls(folder: Path) -> dict[str, Call]:
                 "title": text(),
                 "caption": text(),
                 "name": text(),
-                "tones": thing({"converged": "good"}),
                 "belongs": thing([]).also("empty list"),
             },
         ),

@@ -7,15 +7,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from uqfold.cli.compare import say, stdout_console
 from uqfold.cli.invocation import Invocation
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
+from uqfold.report.table import text_lines
 from uqfold.report.validation_page import validation_page
 from uqfold.report.verdicts import counted, kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
@@ -108,13 +108,18 @@ def _print_outcome(
 
 def print_cases(cases: Sequence[Case]) -> None:
     """Print what each case claims."""
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for head in ("topic", "case", "kind", "faults", "title"):
-        table.add_column(head, no_wrap=head != "title")
-    for case in cases:
-        one = case.declared
-        table.add_row(one.topic, one.name, one.kind, str(len(case.faults)), Text(one.title))
-    stdout_console(quiet=False).print(table)
+    listed = pd.DataFrame(
+        {
+            "topic": case.declared.topic,
+            "case": case.name,
+            "kind": case.declared.kind,
+            "faults": len(case.faults),
+            "title": case.declared.title,
+        }
+        for case in cases
+    )
+    for line in text_lines(listed):
+        stdout_console(quiet=False).print(line, soft_wrap=True)
 
 
 def stale_cases(cases: Sequence[Case], tier: Tier) -> list[Case]:

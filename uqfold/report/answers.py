@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
@@ -18,21 +18,21 @@ from uqfold.plots.wording import (
     scientific,
     seconds_text,
 )
-from uqfold.report.page.cells import Cell, Tone
+from uqfold.report.page.cells import TONES, Cell
 from uqfold.report.scores import RIGHT_WITHIN, method_scores
 
 if TYPE_CHECKING:
     import pandas as pd
 
-STATUSES: dict[str, tuple[str, Tone]] = {
-    "failed": ("failed", "bad"),
-    "doubtful": ("{are} doubtful", "warn"),
-    "budget_exhausted": ("{are} out of budget", "warn"),
-    "unsupported": ("{are} outside what a method can do", "quiet"),
-    "unchecked": ("{are} unchecked", ""),
-    "converged": ("{are} converged", "good"),
+STATUSES = {
+    "failed": "failed",
+    "doubtful": "{are} doubtful",
+    "budget_exhausted": "{are} out of budget",
+    "unsupported": "{are} outside what a method can do",
+    "unchecked": "{are} unchecked",
+    "converged": "{are} converged",
 }
-"""Status -> what is said of answers that have it, and their tone; the worst first."""
+"""Status -> what is said of answers that have it; the worst first."""
 WITHIN = f"within {100 * RIGHT_WITHIN:g} %"
 UNCHECKED = "nobody estimated the error of the answer"
 NOT_JUDGED = "below two standard errors of the reference, which cannot judge it"
@@ -60,12 +60,6 @@ def remarks(rows: Sequence[Row]) -> Remarks:
     return {key: number for number, key in enumerate(said, start=1)}
 
 
-def status_cell(status: str) -> Cell:
-    """Return a status in words, in its tone."""
-    _, tone = STATUSES.get(status, ("", ""))
-    return Cell(status.replace("_", " "), tone=tone)
-
-
 def answers_table(frame: pd.DataFrame) -> pd.DataFrame:
     """Return every answer of a comparison as cells; columns that would be empty are left out."""
     import pandas as pd
@@ -73,52 +67,54 @@ def answers_table(frame: pd.DataFrame) -> pd.DataFrame:
     rows, unit = comparison_rows(frame), frame.attrs[HEADER]["response_unit"]
     in_unit = f" ({unit})" if unit else ""
     numbers = remarks(rows)
-    listed = []
-    for row in rows:
-        number = numbers.get((row["label"], remark(row)))
-        cells: dict[str, Any] = {
+    table = pd.DataFrame(
+        {
             "method": row["label"],
-            f"T{in_unit}": _quantity(row["threshold"]),
-            f"tau{in_unit}": _quantity(row["tau"]),
+            f"T{in_unit}": Cell(quantity(row["threshold"], ""), row["threshold"]),
+            f"tau{in_unit}": _cell(row["tau"], f"{row['tau']:g}", "none"),
             "missions": row["missions"],
             "pf": Cell(probability(row["pf"], 4), row["pf"]),
             "interval": _interval(row),
-            "beta": Cell(
-                NO_VALUE if math.isnan(row["beta"]) else f"{row['beta']:.3f}", row["beta"]
-            ),
+            "beta": _cell(row["beta"], f"{row['beta']:.3f}"),
             "reference": _reference(row),
             "error": _error(row),
-            "evaluations": _evaluations(row),
-            "status": status_cell(row["status"]),
-            "remark": "" if number is None else f"[{number}]",
+            # what a method refuses costs nothing
+            "evaluations": Cell(NO_VALUE, math.nan)
+            if row["status"] == "unsupported"
+            else Cell(f"{row['n_evals_row']:,}", row["n_evals_row"]),
+            "status": row["status"].replace("_", " "),
+            "remark": f"[{numbers[row['label'], remark(row)]}]" if remark(row) else "",
         }
-        listed.append(cells)
+        for row in rows
+    )
+    unreferenced = bool(frame["reference_pf"].isna().all())
     unused = {
         f"tau{in_unit}": frame["tau"].isna().all(),
         "missions": frame["missions"].nunique() == 1,
-        "reference": frame["reference_pf"].isna().all(),
-        "error": frame["reference_pf"].isna().all(),
+        "reference": unreferenced,
+        "error": unreferenced,
         "remark": not numbers,
     }
-    return pd.DataFrame(listed).drop(columns=[name for name in unused if unused[name]])
+    return table.drop(columns=[name for name in unused if unused[name]])
 
 
 def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
     """Return one row of cells per method: how much it answered, how well, and at what cost."""
     import pandas as pd
 
-    listed = []
     scores = method_scores(frame)
+    listed = []
     for label, row in zip(scores.index, scores.to_dict("records"), strict=True):
         occurring = [status for status in STATUSES if row[status]]
         said = [f"{row[one]} {one.replace('_', ' ')}" for one in occurring if one != "converged"]
+        tone = TONES.get(occurring[0].replace("_", " "), "")
         covers = Cell("none stated", math.nan)
         if row["stated"]:
             covers = Cell(f"{row['cover']} of {row['stated']}", row["cover"] / row["stated"])
         listed.append(
             {
                 "method": label,
-                "status": Cell(", ".join(said) or "converged", tone=STATUSES[occurring[0]][1]),
+                "status": Cell(", ".join(said) or "converged", tone=tone),
                 "answered": Cell(f"{row['answered']} of {row['asked']}", row["answered"]),
                 "median error": Cell(percent(row["median_error"]), row["median_error"]),
                 "largest": Cell(percent(row["largest_error"]), row["largest_error"]),
@@ -133,8 +129,21 @@ def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(listed).drop(columns=without)
 
 
-def _quantity(value: float) -> Cell:
-    return Cell("none" if math.isnan(value) else quantity(value, ""), value)
+def remarks_table(rows: Sequence[Row]) -> pd.DataFrame:
+    """Return what methods say about answers that did not converge, each remark once."""
+    import pandas as pd
+
+    said = []
+    for (label, words), number in remarks(rows).items():
+        own = [row["status"] for row in rows if (row["label"], remark(row)) == (label, words)]
+        status = own[0].replace("_", " ")
+        said.append((Cell(f"[{number}]", number), label, status, len(own), words))
+    heads = ["remark", "method", "status", "criteria", "what the method says"]
+    return pd.DataFrame(said, columns=heads)
+
+
+def _cell(value: float, text: str, missing: str = NO_VALUE) -> Cell:
+    return Cell(missing if math.isnan(value) else text, value)
 
 
 def _interval(row: Row) -> Cell:
@@ -154,17 +163,6 @@ def _reference(row: Row) -> Cell:
     return Cell(probability(pf, 4) + spread, pf)
 
 
-def _beta(value: float) -> Cell:
-    return Cell(NO_VALUE if math.isnan(value) else f"{value:.3f}", value)
-
-
 def _error(row: Row) -> Cell:
     within = "~" if row["error"] <= reference_resolution(row) else ""
     return Cell(f"{within}{percent(row['error'])}", row["error"])
-
-
-def _evaluations(row: Row) -> Cell:
-    # what a method refuses costs nothing
-    if row["status"] == "unsupported":
-        return Cell(NO_VALUE, math.nan)
-    return Cell(f"{row['n_evals_row']:,}", float(row["n_evals_row"]))

@@ -20,15 +20,12 @@ from uqfold.plots.wording import (
 )
 from uqfold.report.answers import (
     NOT_JUDGED,
-    Remarks,
     answers_table,
-    remark,
     remarks,
-    status_cell,
+    remarks_table,
 )
 from uqfold.report.methods_section import add_methods, add_reproduction
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Cell
 from uqfold.report.page.markup import literal
 from uqfold.report.summary import add_summary
 
@@ -117,20 +114,7 @@ def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
     if numbers := remarks(rows):
         page.section("Remarks", name="remarks")
         page.table(
-            _remarks(rows, numbers),
+            remarks_table(rows),
             "What methods say about answers that did not converge",
             belongs=[gid(method=label) for label, _ in numbers],
         )
-
-
-def _remarks(rows: Sequence[Row], numbers: Remarks) -> pd.DataFrame:
-    """Return what methods say about answers that did not converge, each remark once."""
-    import pandas as pd
-
-    said = []
-    for (label, words), number in numbers.items():
-        own = [row["status"] for row in rows if (row["label"], remark(row)) == (label, words)]
-        cells = Cell(f"[{number}]", number), label, status_cell(own[0]), len(own), words
-        said.append(cells)
-    heads = ["remark", "method", "status", "criteria", "what the method says"]
-    return pd.DataFrame(said, columns=heads)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, get_args
@@ -11,7 +12,6 @@ from uqfold.checks import choice, instance, or_none, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.records import JSON_NAME, read_records
-from uqfold.documents import parsed_json
 from uqfold.report.page.builder import Format, Page
 from uqfold.validation.kept import kept_records
 from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
@@ -23,6 +23,7 @@ Source: TypeAlias = "pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str
 STEM = "report"
 MOST_ROWS = 10_000
 """Rows that a report on a comparison shows at most: a page of some 20 MB."""
+_VALIDATION = re.compile(r'"schema":\s*"uqfold-validation/')
 CASE_FILE = "case.toml"
 KEPT_REPORT = "report.md"
 """The report on the records that are kept beside the cases, in their folder."""
@@ -122,15 +123,7 @@ def _page_of(path: Path) -> Page:
                 f"{path.name} holds no records: run `uqfold compare` or `uqfold validate` first"
             )
         return report_page(read_case_records(path))
-    if _says_validation(path):
+    # quotes within a text are escaped, so this is the field itself
+    if _VALIDATION.search(path.read_text(encoding="utf-8", errors="replace")):
         return report_page([read_case_record(path)])
     return report_page(read_records(path))
-
-
-def _says_validation(path: Path) -> bool:
-    try:
-        document = parsed_json(path.read_text(encoding="utf-8"))
-    except ValueError:
-        return False
-    schema = document.get("schema") if isinstance(document, dict) else None
-    return isinstance(schema, str) and schema.startswith("uqfold-validation/")

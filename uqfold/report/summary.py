@@ -9,7 +9,7 @@ from uqfold.plots.telling import gid
 from uqfold.plots.wording import percent, seconds_text
 from uqfold.report.answers import ERROR, STATUSES, UNCHECKED, WITHIN, methods_table
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import typeset
+from uqfold.report.page.cells import TONES, typeset
 from uqfold.report.page.markup import literal
 from uqfold.report.scores import RIGHT_WITHIN, method_scores, spreads
 
@@ -96,10 +96,10 @@ def _add_failures(page: Page, scores: pd.DataFrame) -> None:
     asked = scores["asked"].sum()
     said = {
         status: f"{n} of {asked} answers {words.format(are='is' if n == 1 else 'are')}"
-        for status, (words, _) in STATUSES.items()
+        for status, words in STATUSES.items()
         if (n := scores[status].sum()) > 0
     }
-    tone = STATUSES[next(iter(said))][1]
+    tone = TONES.get(next(iter(said)).replace("_", " "), "")
     if len(said) > 1:
         said.pop("converged", "")
     answer = "Nothing"

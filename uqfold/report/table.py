@@ -1,22 +1,21 @@
 """The comparison as a table on the terminal, or as plain text in a file or pipe.
 
-Rows stand under their criterion. Columns are common to all criteria, and closer where the terminal
-is narrow; no cell is ever wrapped. What a method has to say about a row that did not converge
-stands below the table, not in a cell.
+Rows stand under their criterion. Columns are as wide for all criteria, and no cell is ever wrapped:
+what has no room in a narrow terminal is left out, and said. What a method has to say about a row
+that did not converge stands below the table, not in a cell.
 """
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from uqfold.comparison.frames import checked_frame
 from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
-    CriterionKey,
     Row,
     comparison_rows,
     criterion_key,
@@ -33,23 +32,27 @@ from uqfold.report.answers import (
     methods_table,
     remarks,
 )
-from uqfold.report.page.cells import Cell
+from uqfold.report.page.cells import TONES, Cell
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import Console, ConsoleOptions, RenderableType
     from rich.text import Text
 
-_STYLES = {"good": "green", "warn": "yellow", "bad": "bold red", "quiet": "bright_black"}
+STYLES = {"good": "green", "warn": "yellow", "bad": "bold red", "quiet": "bright_black"}
 """Tone -> style on a terminal."""
-_WORDS = ("method", "whole run", "interval", "status", "title")
-"""Columns that begin at the left."""
+_RIGHT = (
+    "pf", "error", "evaluations", "answered", "median error", "largest", "time", "limits kept",
+    "faults",
+)  # fmt: skip
+"""Columns of numbers, which end at the right."""
 _OF_ANSWERS = ("method", "pf", "interval", "error", "evaluations", "status")
 _OF_METHODS = (
-    "whole run", "answered", "median error", "largest", "evaluations", "time", "title",
+    "whole run", "answered", "median error", "largest", "evaluations", "time", "",
 )  # fmt: skip
-_LEFT_OUT = {_OF_ANSWERS: ("evaluations", "interval"), _OF_METHODS: ("title", "largest")}
-"""What is left out where there is no room, one after the other."""
+_MAY_GO = ("evaluations", "interval")
+"""Columns of answers that are left out where there is no room, one after the other."""
+_GAP = 2
 
 
 @dataclass(frozen=True)
@@ -74,115 +77,122 @@ class ComparisonTable:
         from rich.text import Text
 
         header, rows = self.frame.attrs[HEADER], comparison_rows(self.frame)
-        groups: dict[CriterionKey, list[int]] = {}
-        for i, row in enumerate(rows):
-            groups.setdefault(criterion_key(row), []).append(i)
+        unit, width = header["response_unit"], options.max_width
         answers = answers_table(self.frame)
         if "remark" in answers.columns:
-            told = zip(answers["status"], answers["remark"], strict=True)
-            answers["status"] = [replace(one, text=f"{one.text} {n}".rstrip()) for one, n in told]
-        head, *lines = _fitting(answers, _OF_ANSWERS, console, options)
-        yield Text(_title(header), "bold", overflow="fold")
+            pairs = zip(answers["status"], answers["remark"], strict=True)
+            answers["status"] = [
+                Cell(f"{status} {number}".rstrip(), tone=TONES.get(status, ""))
+                for status, number in pairs
+            ]
+        columns = fitting_columns(answers, _OF_ANSWERS, width, _MAY_GO)
+        budget = "no budget"
+        if header["max_evals"] is not None:
+            budget = f"at most {header['max_evals']:,} evaluations per method"
+        asked = f"{header['problem']}: {header['response']}{f' ({unit})' if unit else ''}"
+        yield Text(f"{asked}, seed {header['seed']}, {budget}", "bold", overflow="fold")
         yield ""
-        yield head
-        for key, members in groups.items():
+        yield from text_lines(answers[:0], columns)
+        criteria = [criterion_text(criterion_key(row), unit) for row in rows]
+        for criterion in dict.fromkeys(criteria):
+            members = [i for i, one in enumerate(criteria) if one == criterion]
             yield ""
-            yield from _group_head(key, rows[members[0]], header, options.max_width)
-            yield from (lines[i] for i in members)
+            yield _group_head(criterion, rows[members[0]])
+            yield from text_lines(answers.iloc[members], columns, head=False)
         titles = {entry["label"]: entry["title"] for entry in header["methods"]}
         methods = methods_table(self.frame).rename(columns={"method": "whole run"})
-        methods["title"] = methods["whole run"].map(titles)
+        methods[""] = methods["whole run"].map(titles)
         yield ""
-        yield from _fitting(methods, _OF_METHODS, console, options)
+        yield from text_lines(
+            methods, fitting_columns(methods, _OF_METHODS, width, ("", "largest"))
+        )
         yield ""
-        left_out = [name for name in _LEFT_OUT[_OF_ANSWERS] if name not in head.plain]
+        left_out = [one for one in _MAY_GO if one not in columns]
         for word, meaning in _legend(header, rows, left_out).items():
-            yield from _noted(f"  {word:<11}", meaning, options.max_width, "dim")
+            yield _noted(f"  {word:<11}", meaning, width, "dim")
         for i, ((label, said), number) in enumerate(remarks(rows).items()):
             if not i:
                 yield ""
             words = said if said.startswith(label) else f"{label}: {said}"
-            yield from _noted(f"{f'[{number}]':>6} ", words, options.max_width)
+            yield _noted(f"{f'[{number}]':>6} ", words, width)
 
 
-def _fitting(
-    frame: pd.DataFrame, names: tuple[str, ...], console: Console, options: ConsoleOptions
-) -> list[Text]:
-    """Return the lines of a frame of cells, its heading first, as wide as there is room."""
+def _text(cell: Any, name: str) -> Text:
     from rich.text import Text
 
-    columns = [name for name in names if name in frame.columns]
-    for gap, n_left_out in ((3, 0), (2, 0), (1, 0), (1, 1), (1, 2)):
-        without = _LEFT_OUT[names][:n_left_out]
-        table = _table(frame, [name for name in columns if name not in without], gap)
-        width = console.measure(table, options=options.update(width=10_000)).maximum
-        if width <= options.max_width:
-            break
-    lines = []
-    for segments in console.render_lines(table, options.update(width=width), pad=False):
-        line = Text.assemble(*((one.text, one.style or "") for one in segments), overflow="fold")
+    if not isinstance(cell, Cell):
+        cell = Cell(str(cell), tone=TONES.get(str(cell), ""))
+    return Text(cell.text, "bold" if name == "pf" else STYLES.get(cell.tone, ""))
+
+
+def fitting_columns(
+    frame: pd.DataFrame, names: Sequence[str], width: float, may_go: Sequence[str] = ()
+) -> dict[str, int]:
+    """Return the columns that there is room for, and how wide each is."""
+    widths = {
+        name: max([len(name), *(_text(cell, name).cell_len for cell in frame[name])])
+        for name in names
+        if name in frame.columns
+    }
+    for name in may_go:
+        if sum(widths.values()) + _GAP * len(widths) > width:
+            widths.pop(name, None)
+    return widths
+
+
+def text_lines(
+    frame: pd.DataFrame, columns: Mapping[str, int] | None = None, *, head: bool = True
+) -> Iterator[Text]:
+    """Return a frame of cells as lines of text.
+
+    Parameters
+    ----------
+    frame
+        The cells, or what stands for them.
+    columns
+        Name -> width of the columns to show; None: all of them, as wide as their cells.
+    head
+        Whether the names of the columns come first.
+    """
+    from rich.text import Text
+
+    columns = columns or fitting_columns(frame, list(frame), math.inf)
+    rows = [
+        [_text(cell, name) for name, cell in zip(columns, row, strict=True)]
+        for row in frame[list(columns)].itertuples(index=False)
+    ]
+    if head:
+        rows.insert(0, [Text(name, "dim") for name in columns])
+    for row in rows:
+        for cell, (name, width) in zip(row, columns.items(), strict=True):
+            cell.align("right" if name in _RIGHT else "left", width)
+        line = Text(" " * _GAP).join([Text(), *row])
         line.rstrip()
-        lines.append(line)
-    return lines
+        line.overflow = "fold"
+        yield line
 
 
-def _table(frame: pd.DataFrame, names: Sequence[str], gap: int) -> Any:
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, pad_edge=False, padding=(0, gap, 0, 0), header_style="dim")
-    for i, name in enumerate(names):
-        justify: Any = "left" if name in _WORDS else "right"
-        head = f"  {name}" if i == 0 else name.replace("title", "")
-        table.add_column(head, justify=justify, no_wrap=True)
-    for row in frame[list(names)].itertuples(index=False):
-        first, *others = (
-            Text(one.text, "bold" if name == "pf" else _STYLES.get(one.tone, ""))
-            if isinstance(one, Cell)
-            else Text(str(one))
-            for name, one in zip(names, row, strict=True)
-        )
-        table.add_row(Text("  ").append_text(first), *others)
-    return table
-
-
-def _noted(prefix: str, text: str, width: int, style: str = "") -> Iterator[Text]:
+def _noted(prefix: str, text: str, width: int, style: str = "") -> Text:
     """Return a text behind a prefix, wrapped with further lines flush with the first."""
     from rich.text import Text
 
-    lines = textwrap.wrap(text, max(width - len(prefix), 20), break_on_hyphens=False) or [""]
-    for i, line in enumerate(lines):
-        before = " " * len(prefix) if i else prefix
-        yield Text(f"{before}{line}".rstrip(), style, overflow="fold")
+    lines = textwrap.wrap(text, max(width - len(prefix), 20), break_on_hyphens=False)
+    between = "\n" + " " * len(prefix)
+    return Text(f"{prefix}{between.join(lines)}", style, overflow="fold")
 
 
-def _title(header: Mapping[str, Any]) -> str:
-    unit = f" ({header['response_unit']})" if header["response_unit"] else ""
-    budget = "no budget"
-    if header["max_evals"] is not None:
-        budget = f"at most {header['max_evals']:,} evaluations per method"
-    asked = f"{header['problem']}: {header['response']}{unit}"
-    return f"{asked}, seed {header['seed']}, {budget}"
-
-
-def _group_head(
-    key: CriterionKey, row: Row, header: Mapping[str, Any], width: int
-) -> Iterator[Text]:
+def _group_head(criterion: str, row: Row) -> Text:
     from rich.text import Text
 
-    criterion = criterion_text(key, header["response_unit"])
     reference = "no reference"
     if not math.isnan(row["reference_pf"]):
         pf, error = row["reference_pf"], row["reference_std_error"]
         reference = f"reference pf {probability(pf, 4)} ± {scientific(error, 2)}"
-    fits = len(criterion) + 3 + len(reference) <= width
-    head = Text(criterion, "bold", overflow="fold")
-    behind = Text(f"{'   ' if fits else '  '}{reference}", "not bold cyan", overflow="fold")
-    yield from (head.append_text(behind),) if fits else (head, behind)
+    return Text.assemble((criterion, "bold"), "   ", (reference, "cyan"), overflow="fold")
 
 
 def _legend(
-    header: Mapping[str, Any], rows: Sequence[Row], left_out: Collection[str]
+    header: Mapping[str, Any], rows: Sequence[Row], left_out: Sequence[str]
 ) -> dict[str, str]:
     """Return word -> meaning, of the words that occur."""
     said = {}

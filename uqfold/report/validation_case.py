@@ -10,7 +10,7 @@ import pandas as pd
 from uqfold.plots import points
 from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
-from uqfold.report.page.cells import Tone, typeset
+from uqfold.report.page.cells import TONES, typeset
 from uqfold.report.page.markup import literal
 from uqfold.validation.findings import VERDICT_RULE, Finding
 from uqfold.validation.measurement import Points, Table
@@ -19,11 +19,6 @@ from uqfold.validation.record import CaseRecord, PlantedFault
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-VERDICT_TONES: dict[str, Tone] = {
-    "holds": "good",
-    "does not hold": "bad",
-    "cannot be judged": "warn",
-}
 _UNFOLDED_ROWS = 12
 """Longer tables are folded away."""
 
@@ -35,7 +30,7 @@ def case_anchor(record: CaseRecord) -> str:
 
 def case_section(page: Page, record: CaseRecord) -> None:
     """Add claim, what was measured for it, and verdict of a case, and how it was measured."""
-    case, tone, label = record.case, VERDICT_TONES[record.verdict], str(record.verdict)
+    case, tone, label = record.case, TONES[record.verdict], str(record.verdict)
     if record.claims:
         verdicts = list(record.claims.values())
         label = f"{verdicts.count('holds')} of {len(verdicts)} hold"
@@ -83,9 +78,9 @@ def _claims(page: Page, record: CaseRecord) -> None:
     rows = [
         {"claim": one.statement, "where": one.source, "verdict": said[one.key]} for one in claims
     ]
-    page.table(pd.DataFrame(rows), f"{record.case.title} one by one", tones=VERDICT_TONES)
+    page.table(pd.DataFrame(rows), f"{record.case.title} one by one")
     for one in claims:
-        tone = VERDICT_TONES[record.claims[one.key]]
+        tone = TONES[record.claims[one.key]]
         page.section(one.key, level=3, label=said[one.key], tone=tone, name=f"claim-{one.key}")
         page.text(literal(f"{one.statement} ({one.source})"))
         page.text(literal(f"Rule: {one.rule}."))
@@ -105,7 +100,7 @@ def _findings(page: Page, findings: Iterable[Finding], title: str) -> None:
         for one in findings
     ]
     if rows:
-        page.table(_without_empty("remark", rows), title, tones=VERDICT_TONES)
+        page.table(_without_empty("remark", rows), title)
 
 
 def _fault(one: PlantedFault) -> dict[str, Any]:

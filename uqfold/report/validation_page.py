@@ -5,18 +5,34 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-import pandas as pd
-
 import uqfold
 from uqfold.plots.wording import seconds_text
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone, typeset
 from uqfold.report.page.markup import literal
-from uqfold.report.validation_case import VERDICT_TONES, case_anchor, case_section
-from uqfold.report.verdicts import counted, faults_text, kept_text, limits_text, reasons
+from uqfold.report.validation_case import case_anchor, case_section
+from uqfold.report.verdicts import (
+    cases_table,
+    counted,
+    faults_text,
+    kept_text,
+    limits_text,
+    reasons,
+)
 from uqfold.validation.findings import Verdict
 from uqfold.validation.kept import Changes, fingerprint
 from uqfold.validation.record import CaseRecord
+
+_READING = {
+    "holds": "at least one limit was judged, and every limit is kept",
+    "does not hold": "one limit or more is broken",
+    "cannot be judged": "no limit is broken, but one at least cannot be judged (the number "
+    "lies closer to it than its own uncertainty, or nobody here can measure it), or there "
+    "is none, or the measurement failed",
+    "planted fault": "an error made on purpose (a wrong sign, a stale reference); a case "
+    "that still holds with it proves nothing",
+    "tier": "quick measures with small sizes, full with large ones",
+}
 
 
 def validation_page(
@@ -40,112 +56,65 @@ def validation_page(
         raise ValueError("there are no records to report on: run `uqfold validate` first")
     days = sorted({record.date[:10] for record in records})
     tiers = Counter(record.tier for record in records)
+    verdicts = [one for record in records for one in record.claims.values() or [record.verdict]]
     page = Page(
         "Does uqfold compute what it claims?",
-        f"{counted(len(_verdicts(records)), 'claim')} in {counted(len(records), 'case')}, each "
+        f"{counted(len(verdicts), 'claim')} in {counted(len(records), 'case')}, each "
         "with what it is compared with, a tolerance with its reason, and a verdict. Measured "
         f"{' to '.join(dict.fromkeys((days[0], days[-1])))}, "
         f"{', '.join(f'{count} in the {tier} tier' for tier, count in tiers.items())}; the times "
-        f"of the cases add up to {_total_time(records)}.",
+        f"of the cases add up to {seconds_text(sum(record.seconds for record in records))}.",
         kind="Validation report",
         imprint=f"Made by uqfold {uqfold.__version__} from records alone; no model was run. Digest "
         f"of the records: `{fingerprint(records)}`.",
     )
-    _checked_card(page, records)
-    _holds_card(page, records)
+    _holds_card(page, records, verdicts)
     _failing_card(page, records)
     if changes is not None:
         _kept_card(page, records, changes)
     page.section("All cases", name="cases")
-    page.table(_cases(records), "All cases", tones=VERDICT_TONES)
+    page.table(cases_table(records), "All cases")
     for topic in dict.fromkeys(record.case.topic for record in records):
         page.section(topic[:1].upper() + topic[1:], name=f"topic-{topic}")
         for record in records:
             if record.case.topic == topic:
                 case_section(page, record)
     page.section("How to read this", name="reading")
-    page.facts(
-        {
-            "holds": "at least one limit was judged, and every limit is kept",
-            "does not hold": "one limit or more is broken",
-            "cannot be judged": "no limit is broken, but one at least cannot be judged (the number "
-            "lies closer to it than its own uncertainty, or nobody here can measure it), or there "
-            "is none, or the measurement failed",
-            "planted fault": "an error made on purpose (a wrong sign, a stale reference); a case "
-            "that still holds with it proves nothing",
-            "tier": "quick measures with small sizes, full with large ones",
-        }
-    )
+    page.facts(_READING)
     return page
 
 
-def _verdicts(records: Sequence[CaseRecord]) -> list[Verdict]:
-    """Return the verdicts of all claims, of which most cases have one."""
-    return [verdict for record in records for verdict in record.claims.values() or [record.verdict]]
-
-
-def _total_time(records: Sequence[CaseRecord]) -> str:
-    total = sum(record.seconds for record in records)
-    return seconds_text(total) if total < 120.0 else f"{total / 60.0:.0f} minutes"
-
-
-def _checked_card(page: Page, records: Sequence[CaseRecord]) -> None:
-    kinds = Counter(record.case.kind for record in records)
-    claims = len(_verdicts(records))
-    noticed = faults_text(records)
-    page.card(
-        "What was checked?",
-        "1 claim" if claims == 1 else f"{claims} claims",
-        f"By kind: {', '.join(f'{count} {kind}' for kind, count in kinds.most_common())}.",
-        "No fault was planted in this run."
-        if noticed == "not planted"
-        else f"{noticed} faults planted on purpose were noticed.",
-    )
-
-
-def _holds_card(page: Page, records: Sequence[CaseRecord]) -> None:
-    counts = Counter(_verdicts(records))
+def _holds_card(page: Page, records: Sequence[CaseRecord], verdicts: Sequence[Verdict]) -> None:
+    counts = Counter(verdicts)
     broken, unjudged = counts["does not hold"], counts["cannot be judged"]
-    more = []
-    if broken:
-        more.append(f"**{broken} {'does' if broken == 1 else 'do'} not hold**.")
-    if unjudged:
-        more.append(f"**{unjudged} cannot be judged**.")
+    more = [f"**{broken} {'does' if broken == 1 else 'do'} not hold**."] if broken else []
+    more += [f"**{unjudged} cannot be judged**."] if unjudged else []
     identities = sum(one.identity for record in records for one in record.measurement.claims)
     if identities:
         more.append(f"{identities} of those that hold: an identity, which is no evidence.")
-    limits = Counter(one.verdict for record in records for one in record.findings if one.verdict)
-    text = f"{limits['holds']} of {limits.total()} limits are kept"
-    if limits["cannot be judged"]:
-        text += f"; {limits['cannot be judged']} cannot be judged"
+    more.append(f"{limits_text(records)} limits are kept.")
+    more.append(f"{faults_text(records)} faults planted on purpose were noticed.")
     tone: Tone = "bad" if broken else "warn" if unjudged else "good"
-    page.card(
-        "What holds?", f"{counts['holds']} of {counts.total()} hold", *more, f"{text}.", tone=tone
-    )
+    page.card("What holds?", f"{counts['holds']} of {counts.total()} hold", *more, tone=tone)
 
 
 def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
-    title = "What does not hold, and why?"
     failing = [
         one for one in records if one.verdict == "does not hold" or one.error or one.missed_faults
     ]
     unjudged = [one for one in records if one.verdict == "cannot be judged" and one not in failing]
     tone: Tone = "bad" if failing else "warn" if unjudged else "good"
     answer = counted(len(failing), "case") if failing else "Nothing"
-    page.card(title, answer, *map(_first_reason, failing or unjudged), tone=tone)
+    why = map(_first_reason, failing or unjudged)
+    page.card("What does not hold, and why?", answer, *why, tone=tone)
 
 
 def _kept_card(page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Changes]) -> None:
     compared = [(one, changes[one.name]) for one in records if one.name in changes]
     said = [_linked(record, text) for record, found in compared for text in found.words]
-    bad = any(found.broken or found.verdicts for _, found in compared)
     answer = kept_text([found for _, found in compared])
-    page.card(
-        "Is that what was found before?",
-        answer[0].upper() + answer[1:],
-        *said,
-        tone="bad" if bad else "good",
-    )
+    answer = answer[0].upper() + answer[1:]
+    page.card("Is that what was found before?", answer, *said, tone="bad" if said else "good")
 
 
 def _first_reason(record: CaseRecord) -> str:
@@ -157,23 +126,3 @@ def _first_reason(record: CaseRecord) -> str:
 
 def _linked(record: CaseRecord, why: str) -> str:
     return f"[{literal(record.case.title)}](#{case_anchor(record)}): {literal(typeset(why))}"
-
-
-def _cases(records: Sequence[CaseRecord]) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {
-                "case": record.name,
-                "title": record.case.title,
-                "topic": record.case.topic,
-                "kind": record.case.kind,
-                "verdict": record.verdict,
-                "limits kept": limits_text(record),
-                "faults noticed": faults_text([record]),
-                "tier": record.tier,
-                "time (s)": record.seconds,
-                "date": record.date[:10],
-            }
-            for record in records
-        ]
-    )

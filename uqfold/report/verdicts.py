@@ -3,63 +3,72 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
+import pandas as pd
 from rich.console import Console
 from rich.padding import Padding
-from rich.table import Table
 from rich.text import Text
 
 from uqfold.plots.wording import seconds_text
+from uqfold.report.page.cells import TONES, Cell
+from uqfold.report.table import STYLES, text_lines
 from uqfold.validation.findings import Verdict
 from uqfold.validation.kept import Changes
 from uqfold.validation.record import CaseRecord
 
-VERDICT_STYLES: dict[Verdict, str] = {
-    "holds": "green",
-    "does not hold": "bold red",
-    "cannot be judged": "yellow",
-}
-"""Verdict -> style on a terminal."""
+_PRINTED = ("topic", "case", "verdict", "limits kept", "time")
+
+
+def cases_table(records: Sequence[CaseRecord]) -> pd.DataFrame:
+    """Return one row of cells per case: what was judged, with which verdict."""
+    return pd.DataFrame(
+        {
+            "case": record.name,
+            "title": record.case.title,
+            "topic": record.case.topic,
+            "kind": record.case.kind,
+            "verdict": record.verdict,
+            "limits kept": limits_text([record]),
+            "faults noticed": faults_text([record]),
+            "tier": record.tier,
+            "time": Cell(seconds_text(record.seconds), record.seconds),
+            "date": record.date[:10],
+        }
+        for record in records
+    )
 
 
 def print_verdicts(console: Console, records: Sequence[CaseRecord]) -> None:
     """Print the verdict of every case, and why one does not hold."""
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for name in ("topic", "case", "verdict"):
-        table.add_column(name, no_wrap=True)
-    for name in ("judged", "time"):
-        table.add_column(name, justify="right", no_wrap=True)
+    for line in text_lines(cases_table(records)[list(_PRINTED)]):
+        console.print(line)
+    said = f"{counted(len(records), 'case')}: {_listed(record.verdict for record in records)}"
     for record in records:
-        table.add_row(
-            Text(record.case.topic, "dim"),
-            record.name,
-            Text(record.verdict, VERDICT_STYLES[record.verdict]),
-            limits_text(record),
-            seconds_text(record.seconds),
-        )
-    console.print(table)
-    console.print(Text(f"\n{counts_text(records)}"))
+        if record.claims:
+            of_claims = _listed(record.claims.values())
+            said += f"; {counted(len(record.claims), 'claim')} of {record.name}: {of_claims}"
+    console.print(Text(f"\n{said}; {faults_text(records)} planted faults noticed"))
     for record in records:
-        said = reasons(record)
-        if said:
-            style = VERDICT_STYLES[record.verdict]
+        said_why = reasons(record)
+        if said_why:
+            style = STYLES[TONES[record.verdict]]
             console.print(Text(f"\n{record.name}: {record.verdict}", style))
             console.print(Padding(Text(record.case.claim), (0, 0, 0, 2)))
-        for text in said:
+        for text in said_why:
             console.print(Padding(Text(f"- {text}"), (0, 0, 0, 2)))
 
 
-def limits_text(record: CaseRecord) -> str:
+def limits_text(records: Sequence[CaseRecord]) -> str:
     """Return how many of the limits that were judged are kept."""
-    judged = [one.verdict for one in record.findings if one.verdict is not None]
+    judged = [one.verdict for record in records for one in record.findings if one.verdict]
     return f"{judged.count('holds')} of {len(judged)}"
 
 
 def faults_text(records: Sequence[CaseRecord]) -> str:
-    """Return how many of the planted faults were noticed."""
+    """Return how many of the faults that were planted were noticed."""
     planted = [one.caught for record in records for one in record.faults if one.caught is not None]
-    return f"{sum(planted)} of {len(planted)}" if planted else "not planted"
+    return f"{sum(planted)} of {len(planted)}"
 
 
 def kept_text(changes: Sequence[Changes]) -> str:
@@ -80,17 +89,6 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-def counts_text(records: Sequence[CaseRecord]) -> str:
-    """Return the number of cases by verdict, and of planted faults that were noticed."""
-    text = f"{counted(len(records), 'case')}: {_listed([record.verdict for record in records])}"
-    for record in records:
-        if record.claims:
-            of_claims = _listed(list(record.claims.values()))
-            text += f"; {counted(len(record.claims), 'claim')} of {record.name}: {of_claims}"
-    noticed = faults_text(records)
-    return text if noticed == "not planted" else f"{text}; {noticed} planted faults noticed"
-
-
 def reasons(record: CaseRecord) -> list[str]:
     """Return why a case does not hold, or cannot be judged."""
     said = [record.error] if record.error else []
@@ -101,6 +99,6 @@ def reasons(record: CaseRecord) -> list[str]:
     ]
 
 
-def _listed(verdicts: Sequence[Verdict]) -> str:
-    counts = Counter(verdicts)
-    return ", ".join(f"{counts[one]} {one}" for one in VERDICT_STYLES if counts[one])
+def _listed(verdicts: Iterable[Verdict]) -> str:
+    counts = Counter[str](verdicts)
+    return ", ".join(f"{counts[one]} {one}" for one in TONES if counts[one])

@@ -38,7 +38,7 @@ def page(text: str = HOSTILE) -> Page:
     made.text(f"{literal(text)}\n\n- **{literal(text)}**\n- `code`")
     made.text(text, small=True)
     frame = pd.DataFrame({text: [text, "other"], "pf": [1.5e-4, math.nan], "n": [40_000, 7]})
-    made.table(frame, text, literal(text), belongs=[gid(method=text), ""], tones={text: "warn"})
+    made.table(frame, text, literal(text), belongs=[gid(method=text), ""])
     made.figure(figure(text), text, literal(text))
     made.section(text, level=2)
     made.facts({text: literal(text)})

@@ -136,7 +136,6 @@ class Page:
         caption: str = "",
         *,
         name: str = "",
-        tones: Mapping[str, Tone] = {},
         belongs: Sequence[str] = (),
     ) -> None:
         """Add a table.
@@ -150,8 +149,6 @@ class Page:
             What it shows; `caption` adds what is to be known, in Markdown.
         name
             Its anchor in links; made from the title if empty.
-        tones
-            Text of a cell -> ``good``, ``warn``, ``bad`` or ``quiet``.
         belongs
             For each row what it belongs to, as `uqfold.plots` names the artists of figures: rows
             are switched on and off together with these.
@@ -167,7 +164,6 @@ class Page:
         owners = several("belongs", belongs, text, empty=True)
         if owners and len(owners) != len(frame):
             raise refused("belongs", belongs, f"give one name for each of {len(frame)} rows")
-        shades = mapping("tones", tones, choice, get_args(Tone))
         name = self._unique(text("title", title), name)
         said = _markdown("caption", caption)
         if any(one is not None for one in frame.index.names):
@@ -175,8 +171,7 @@ class Page:
         heads = [" ".join(map(str, one)) if isinstance(one, tuple) else str(one)
                  for one in frame.columns]  # fmt: skip
         rows = [
-            [cell_of(value, shades) for value in row]
-            for row in frame.itertuples(index=False, name=None)
+            [cell_of(value) for value in row] for row in frame.itertuples(index=False, name=None)
         ]
         numeric = [
             any(one.value is not None for one in column)

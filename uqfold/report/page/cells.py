@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Any, Literal, TypeAlias
@@ -12,6 +11,12 @@ from typing import Any, Literal, TypeAlias
 Tone: TypeAlias = Literal["", "good", "warn", "bad", "quiet"]
 """How a word is coloured; never the only bearer of its meaning."""
 
+TONES: dict[str, Tone] = {
+    "holds": "good", "cannot be judged": "warn", "does not hold": "bad",
+    "converged": "good", "doubtful": "warn", "budget exhausted": "warn", "failed": "bad",
+    "unsupported": "quiet",
+}  # fmt: skip
+"""Verdicts of validation cases and statuses of answers, as cells show them, and their tones."""
 DIGITS = 4
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)")
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -29,13 +34,13 @@ class Cell:
     tone: Tone = ""
 
 
-def cell_of(value: Any, tones: Mapping[str, Tone]) -> Cell:
+def cell_of(value: Any) -> Cell:
     """Return the cell of a value of a frame, with its numbers typeset."""
     if isinstance(value, Cell):
         return Cell(typeset(value.text), value.value, value.tone)
     text = value_text(value)
     counts = isinstance(value, Real) and not isinstance(value, bool)
-    return Cell(text, float(value) if counts else None, tones.get(text, ""))
+    return Cell(text, float(value) if counts else None, TONES.get(text, ""))
 
 
 def value_text(value: Any) -> str:
