@@ -31,6 +31,7 @@ from uqfold.methods import (
     FFNISaddlepoint,
     Kriging,
     MonteCarlo,
+    OpenTURNSFORM,
     OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
@@ -213,7 +214,7 @@ def synchronized(units: Sequence[Unit], threshold: float, tau: float) -> float:
 
 def test_surfaces_that_differ_under_tau() -> None:
     """The sum over which unit comes first, with the surfaces of two kinds and an offset."""
-    units = [*PUMPS, VALVE]
+    units = [PUMPS[1], VALVE]
     problem = Problem(pump, **INPUTS, units=units)
     method = PolynomialChaos(runs=40, max_degree=2)
     row = method.estimate(problem, Criterion(1.5, tau=1.2), rng=2)[0]
@@ -274,6 +275,29 @@ def test_a_budget_is_divided_among_kinds() -> None:
     assert "surfaces over 2 and 3 inputs needs at least 14 runs" in few.message
 
 
+@pytest.mark.parametrize("structure", [SYSTEM, Series()])
+def test_a_design_point_for_each_sort_of_units(structure: SystemStructure) -> None:
+    """FORM took equal units only; linear ones that differ are exact, in series with an error."""
+    units = [*PUMPS, VALVE, Unit(valve, VALVE.individual, 0.1, name="spare")]
+    problem = Problem(pump, **INPUTS, units=units, structure=structure)
+    asked = [*CRITERIA, Criterion(4.0), Criterion(math.inf)]
+    result = OpenTURNSFORM().estimate(problem, asked, rng=2)
+    for criterion, row in zip(asked[:-1], result, strict=False):
+        assert row.pf == pytest.approx(exact(units, structure, criterion), rel=1e-8)
+        assert row.status == ("converged" if structure == Series() else "unchecked")
+    assert (result[4].pf, result[4].status) == (0.0, "doubtful")
+    assert result[0].n_evals_row < result.n_evals
+
+
+def test_a_curved_limit_state_of_one_sort_is_doubted() -> None:
+    """What a second look shows at one unit's point reaches the verdict of the system."""
+    curved = Unit(lambda x: pump(x) - 0.2 * x[:, 1] ** 2, name="curved")
+    problem = Problem(pump, **INPUTS, units=[Unit(), curved])
+    row = OpenTURNSFORM().estimate(problem, Criterion(2.0), rng=1)[0]
+    assert row.status == "doubtful"
+    assert "not its plane" in row.message
+
+
 SIMULATE = {"mc", "conditional-mc", "openturns-mc"}
 SURFACES = {"kriging", "pce"}
 BY_OFFSET = {"ffni-spa", "ffni-pearson"}
@@ -283,13 +307,14 @@ BY_OFFSET = {"ffni-spa", "ffni-pearson"}
     "name", sorted({*SIMULATE, *SURFACES, *BY_OFFSET, "active-kriging", "openturns-form"})
 )
 def test_what_a_method_cannot_answer_it_says_before_any_run(name: str) -> None:
-    simulates = name in SIMULATE | SURFACES
+    simulates = name in SIMULATE | SURFACES | {"openturns-form"}
     problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
     assert (build(name).supports(problem, Criterion(1.0)) is None) == simulates
     problem = Problem(pump, **INPUTS, units=PUMPS)
     by_offset = simulates or name in BY_OFFSET
     assert (build(name).supports(problem, Criterion(1.0)) is None) == by_offset
-    assert (build(name).supports(problem, Criterion(1.0, tau=1.0)) is None) == simulates
+    tau = name in SIMULATE | SURFACES
+    assert (build(name).supports(problem, Criterion(1.0, tau=1.0)) is None) == tau
 
 
 def test_units_of_one_kind_are_one_problem() -> None:

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,7 +7,10 @@ from scipy import integrate, stats
 from scipy.special import ndtr
 
 from uqfold.problems.criterion import Binomial
+from uqfold.problems.structure import KOutOfN, Parallel
 from uqfold.system.linearised import linearised_failure, linearised_failures
+from uqfold.system.linearised_units import Planes, failure_of_planes
+from uqfold.system.structure import SystemUnits, diagram
 
 
 def two_units_fail(beta: float, rho: float) -> float:
@@ -92,3 +96,47 @@ def test_infinite_index(beta: float, expected: float) -> None:
 def test_bad_input(beta: float, rho: float, units: int, match: str) -> None:
     with pytest.raises(ValueError, match=match):
         linearised_failure(beta, rho, units)
+
+
+@pytest.mark.parametrize(
+    ("shared", "tolerance"),
+    [
+        ([[0.6], [-0.3], [0.9]], 1e-9),
+        ([[0.6, 0.0], [0.0, 0.6], [0.4, -0.5]], 1e-9),
+        ([[0.6, 0.0, 0.1], [0.0, 0.6, 0.0], [0.4, -0.5, 0.5]], 1e-6),
+    ],
+)
+def test_units_that_differ_share_as_many_factors_as_directions(
+    shared: list[list[float]], tolerance: float
+) -> None:
+    """Against all states of three units and Gauss rules over one, two and three factors."""
+    planes = Planes(np.array([2.0, 2.5, 3.0]), np.array(shared))
+    units = SystemUnits(
+        3, diagram(KOutOfN(2), ("a", "b", "c")), np.zeros(3), np.zeros(3, int), np.arange(3)
+    )
+    found = failure_of_planes(planes, units, 2)
+    k = planes.shared.shape[1]
+    nodes, weights = np.polynomial.hermite_e.hermegauss(90 if k < 3 else 45)
+    z = np.stack([one.ravel() for one in np.meshgrid(*[nodes] * k)])
+    w = math.prod(np.meshgrid(*[weights / weights.sum()] * k)).ravel()
+    own = np.sqrt(1.0 - (planes.shared**2).sum(axis=1))[:, None]
+    a, b, c = ndtr((planes.shared @ z - planes.betas[:, None]) / own)
+    one = a * b + a * c + b * c - 2.0 * a * b * c
+    assert found.pf == pytest.approx(float(w @ (2.0 * one - one**2)), rel=tolerance)
+    assert found.pf + found.reliability == pytest.approx(1.0, abs=1e-12)
+    assert found.error <= tolerance * found.pf
+    # the same directions among five shared inputs
+    basis = np.linalg.qr(np.ones((5, k)) + np.eye(5, k))[0]
+    turned = replace(planes, shared=planes.shared @ basis.T)
+    assert failure_of_planes(turned, units, 2).pf == pytest.approx(found.pf, rel=1e-6)
+
+
+def test_many_factors_are_drawn_where_the_system_fails() -> None:
+    """Four independent common causes, pf = 3e-9: within three stated errors of a few percent."""
+    units = SystemUnits(
+        4, diagram(Parallel(), tuple("abcd")), np.zeros(4), np.zeros(4, int), np.arange(4)
+    )
+    found = failure_of_planes(Planes(np.full(4, 2.4), 0.7 * np.eye(4)), units, 1)
+    exact = float(ndtr(-2.4)) ** 4
+    assert abs(found.pf - exact) < 3.0 * found.error
+    assert found.error < 0.05 * exact

@@ -58,6 +58,8 @@ class DesignPoint:
         Gradients asked for in the search, remembered ones included.
     n_evals
         Runs spent on this threshold, those at the starting point that all share left out.
+    kind
+        Of which kind of units the response is, in the order in which they occur.
     """
 
     threshold: float
@@ -71,6 +73,7 @@ class DesignPoint:
     algorithm: str
     linearisations: int
     n_evals: int
+    kind: int = 0
 
     @property
     def importance(self) -> FloatArray:
@@ -270,7 +273,7 @@ class Search:
         beyond = side * (response.values(points[near]) - self.threshold)
         self.several = bool((beyond > 0.0).any())
 
-    def design_point(self, x: FloatArray, n_shared: int) -> DesignPoint:
+    def design_point(self, x: FloatArray, n_shared: int, kind: int) -> DesignPoint:
         """Return the record of the best point, whose inputs are x (d,), shared ones first."""
         best, algorithm = self._closest
         return DesignPoint(
@@ -286,6 +289,7 @@ class Search:
             algorithm=algorithm,
             linearisations=len(self.trace),
             n_evals=self.n_evals,
+            kind=kind,
         )
 
 

@@ -264,25 +264,19 @@ def with_error(
     about one unit may be a cause that all of them have in common: in no structure is what is seen
     to be wrong smaller than it would be in series.
     """
-    from scipy.special import log_ndtr, ndtri_exp
+    from scipy.special import log_ndtr
 
     best = search.best
     beta = best.beta(search.threshold)
-    side, log_small = math.copysign(1.0, beta), float(log_ndtr(-abs(beta)))
+    log_small = float(log_ndtr(-abs(beta)))
     shared, shared_at_start = (
         min(1.0, float(np.sum(one.alpha[: problem.inputs.n_shared] ** 2)))
         for one in (best, search.start)
     )
-    found = sum(
-        factor * math.exp(float(log_ndtr(-abs(one.beta(search.threshold)))) - log_small)
-        for one, factor in search.others
-    )
+    found = found_elsewhere(search)
     others = max(found, look.elsewhere)
 
     units = SystemUnits.of(problem)
-
-    def index_of(log_factor: float) -> float:
-        return -side * float(ndtri_exp(min(log_small + log_factor, -1e-3)))
 
     def distance(index: float, correlation: float, system: SystemUnits) -> float:
         """How far another answer is from FORM's, in the smaller of both probabilities."""
@@ -302,7 +296,7 @@ def with_error(
     curved = max(curved, look.sampled)
     total = LEAST + curved + look.place + others
     error = max(
-        distance(index_of(sign * change), shared, system)
+        distance(index_moved(beta, sign * change), shared, system)
         for sign in (1.0, -1.0)
         for change, system in ((total, units), (total - LEAST, SystemUnits(units.count)))
     )
@@ -323,7 +317,7 @@ def with_error(
     factor = look.second_order + found
     second = "no number"
     if math.log(factor) < -log_small:
-        index = index_of(math.log(factor))
+        index = index_moved(beta, math.log(factor))
         second = f"{linearised_failure(index, shared, units, missions)[0]:.3g}"
     numbers = f"FORM gives pf = {estimate.pf:.3g}, second order {second}"
     if estimate.status == "doubtful":
@@ -343,6 +337,25 @@ def with_error(
         for one in (best, *(other for other, _ in search.others))
     )
     return replace(estimate, status="doubtful", message=f"{reason}: {numbers}: {where}")
+
+
+def found_elsewhere(search: Search) -> float:
+    """Probability behind other design points, as a share of that behind the best one."""
+    from scipy.special import log_ndtr
+
+    log_small = float(log_ndtr(-abs(search.best.beta(search.threshold))))
+    return sum(
+        factor * math.exp(float(log_ndtr(-abs(one.beta(search.threshold)))) - log_small)
+        for one, factor in search.others
+    )
+
+
+def index_moved(beta: float, log_factor: float) -> float:
+    """Return the index whose smaller probability is so many times that of beta."""
+    from scipy.special import log_ndtr, ndtri_exp
+
+    changed = float(log_ndtr(-abs(beta))) + log_factor
+    return -math.copysign(1.0, beta) * float(ndtri_exp(min(changed, -1e-3)))
 
 
 def _second_order(curvatures: FloatArray, rate: float) -> tuple[float, float]:

@@ -9,7 +9,7 @@ one-factor normal integral.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -22,7 +22,7 @@ from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
+from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
 from uqfold.methods.design_point import (
     LOOSE_RESIDUAL,
     DesignPoint,
@@ -32,6 +32,7 @@ from uqfold.methods.design_point import (
 )
 from uqfold.methods.design_point_check import Surroundings, with_error
 from uqfold.methods.design_point_of_system import places_of_system
+from uqfold.methods.design_points_of_units import estimate_of_units
 from uqfold.methods.result import Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -61,7 +62,7 @@ FURTHEST_MARGIN = 1e6
 
 @dataclass(frozen=True)
 class FORMDetails:
-    """Design points by threshold, ascending; `n_evals_start`: runs at the common start."""
+    """Design points by kind of units and threshold, ascending; `n_evals_start`: runs before."""
 
     design_points: tuple[DesignPoint, ...]
     n_evals_start: int
@@ -71,7 +72,8 @@ class FORMDetails:
 class OpenTURNSFORM(ReliabilityMethod):
     """First-order reliability method on one unit, by OpenTURNS.
 
-    One search for each distinct threshold T serves all criteria with that T. It runs in
+    One search for each distinct threshold T serves all criteria with that T; units that differ by
+    offset, model or inputs have one each. It runs in
     independent standard-normal space and starts where the plane through the origin's gradient
     meets T, whatever else is asked. The result is checked, not trusted: the point must lie on the
     limit state and be collinear with the gradient there, within `tolerance`, and none of 2 d - 1
@@ -124,6 +126,7 @@ class OpenTURNSFORM(ReliabilityMethod):
     title: ClassVar[str] = "FORM (OpenTURNS)"
     theory: ClassVar[Theory] = FORM
     any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     algorithms: tuple[Algorithm, ...] = ("AbdoRackwitz", "SQP", "Cobyla")
     step: float = 0.2
@@ -149,33 +152,63 @@ class OpenTURNSFORM(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         problem, session = task.problem, task.session
-        units = SystemUnits.of(problem)
-        response = StandardSpaceResponse(
-            problem.inputs, session, self.step, allowed=session.remaining
-        )
+        units, kinds = SystemUnits.of(problem), problem.kinds
+        responses = [
+            StandardSpaceResponse(
+                inputs, session, self.step, session.remaining, partial(kinds.rows_of, kind)
+            )
+            for kind, inputs in enumerate(kinds.inputs)
+        ]
         try:
-            start = common_start(response)
+            starts = [common_start(response) for response in responses]
         except NoGradientError as error:
             failed = Estimate.without_answer("failed", f"no design point: {error}")
             return Solution([failed] * len(task.criteria))
         n_start = session.n_evals
-        finite = {c.threshold for c in task.criteria if math.isfinite(c.threshold)}
-        thresholds = sorted(finite, key=lambda t: (abs(t - start.y_origin), t))
-        searches: dict[float, Search] = {}
-        for i, threshold in enumerate(thresholds):
-            response.allowed = session.n_evals + session.remaining // (len(thresholds) - i)
-            searches[threshold] = self._searched(response, threshold, start.known)
-        points = task.summed_up(lambda _: _design_points(searches, problem.inputs))
+        asked = [c.threshold for c in task.criteria if math.isfinite(c.threshold)]
+        places = [
+            (kind, threshold)
+            for kind, start in enumerate(starts)
+            for threshold in sorted(
+                set(units.thresholds(asked, kind).ravel().tolist()),
+                key=lambda t: (abs(t - start.y_origin), t),
+            )
+        ]
+        searches: dict[tuple[int, float], Search] = {}
+        for i, (kind, threshold) in enumerate(places):
+            response = responses[kind]
+            response.allowed = session.n_evals + session.remaining // (len(places) - i)
+            known = starts[kind].known
+            searches[kind, threshold] = self._searched(response, threshold, known)
+        points = task.summed_up(lambda _: _design_points(searches, kinds.inputs))
+
+        # at an infinite threshold
+        alike = SystemUnits(units.count, units.diagram)
+
+        def of_units(criterion: Criterion) -> Estimate:
+            thresholds = units.thresholds(criterion.threshold).tolist()
+            keys = list(zip(units.of_kinds.tolist(), thresholds, strict=True))
+            own = [searches[key] for key in keys]
+            verdicts = [
+                verdict(search, starts[kind], self.tolerance)
+                for (kind, _), search in zip(keys, own, strict=True)
+            ]
+            spent = n_start + sum(searches[key].n_evals for key in dict.fromkeys(keys))
+            estimate = estimate_of_units(own, verdicts, kinds.n_shared, units, criterion.missions)
+            return replace(estimate, n_evals_row=spent)
 
         def answer(criterion: Criterion) -> Estimate:
             if math.isinf(criterion.threshold):
                 message = f"T = {criterion.threshold}: FORM sees no infinite responses"
                 pf, reliability = linearised_failure(
-                    criterion.threshold, 0.0, units, criterion.missions
+                    criterion.threshold, 0.0, alike, criterion.missions
                 )
                 return Estimate(pf, reliability, status="doubtful", message=message)
-            point = points[criterion.threshold]
-            status, message = verdict(searches[criterion.threshold], start, self.tolerance)
+            if units.of_sorts is not None:
+                return of_units(criterion)
+            [response], search = responses, searches[0, criterion.threshold]
+            point = points[0, criterion.threshold]
+            status, message = verdict(search, starts[0], self.tolerance)
             if status == "failed":
                 return Estimate.without_answer("failed", message)
             pf, reliability = linearised_failure(
@@ -188,7 +221,6 @@ class OpenTURNSFORM(ReliabilityMethod):
                 message=message,
                 n_evals_row=n_start + point.n_evals,
             )
-            search = searches[criterion.threshold]
             if search.look is None or search.cut:
                 return estimate
             before, response.allowed = session.n_evals, session.n_evals + session.remaining
@@ -329,17 +361,20 @@ class OpenTURNSFORM(ReliabilityMethod):
 
 
 def _design_points(
-    searches: Mapping[float, Search], inputs: JointInputs
-) -> dict[float, DesignPoint]:
-    """Return the design points by threshold, ascending; all are mapped to the inputs at once."""
-    if not searches:
-        return {}
-    thresholds = sorted(searches)
-    x = inputs.from_standard_normal(np.array([searches[t].best.u for t in thresholds]))
-    return {
-        t: searches[t].design_point(row, inputs.n_shared)
-        for t, row in zip(thresholds, x, strict=True)
-    }
+    searches: Mapping[tuple[int, float], Search], inputs: Sequence[JointInputs]
+) -> dict[tuple[int, float], DesignPoint]:
+    """Return the design points by kind of units and threshold, ascending."""
+    found = {}
+    for kind, own in enumerate(inputs):
+        thresholds = sorted(threshold for of_kind, threshold in searches if of_kind == kind)
+        if not thresholds:
+            continue
+        # all are mapped to the inputs at once
+        best = np.array([searches[kind, threshold].best.u for threshold in thresholds])
+        for threshold, row in zip(thresholds, own.from_standard_normal(best), strict=True):
+            search = searches[kind, threshold]
+            found[kind, threshold] = search.design_point(row, own.n_shared, kind)
+    return found
 
 
 def _noting(

@@ -7,6 +7,7 @@ gradient comes from central differences, whose step must be large against the no
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -83,12 +84,15 @@ class StandardSpaceResponse:
         Half width of the central differences, in standard deviations.
     allowed
         Runs that may have been made in all (`session.n_evals`) before `BudgetExceededError`.
+    row_of
+        Makes rows for the session of inputs (k, d).
     """
 
     inputs: JointInputs
     session: EvaluationSession
     step: float
     allowed: int
+    row_of: Callable[[FloatArray], FloatArray] = np.asarray
     _known: dict[bytes, float] = field(default_factory=dict)
 
     def values(self, u: FloatArray) -> FloatArray:
@@ -111,7 +115,9 @@ class StandardSpaceResponse:
             if self.session.n_evals + len(new) > self.allowed:
                 raise BudgetExceededError(f"{len(new)} more runs do not fit into the share")
             x = self.inputs.from_standard_normal(u[list(new.values())])
-            self._known.update(zip(new, self.session.evaluate(x).tolist(), strict=True))
+            self._known.update(
+                zip(new, self.session.evaluate(self.row_of(x)).tolist(), strict=True)
+            )
         y = np.array([self._known[key] for key in keys])
         if np.isnan(y).any():
             raise FailedRunError(f"no linearisation with failed runs: {self.session.first_failure}")

@@ -1,0 +1,106 @@
+"""FORM's answer for units that differ: one design point for each sort of them.
+
+Each point gives a plane; what units share ties the planes together, see
+`uqfold.system.linearised_units`. The errors that a second look shows at each point move all planes
+at once, forth and back. In series the error of the system follows from them; where units stand in
+for each other they fail together elsewhere than at their own points, where nobody has looked, and
+the answer stays ``unchecked``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from uqfold.methods.design_point import Search
+from uqfold.methods.design_point_check import AGREED, LEAST, found_elsewhere, index_moved
+from uqfold.methods.result import NORMAL_95, Estimate, Status
+from uqfold.problems.criterion import Missions
+from uqfold.system.linearised_units import Planes, failure_of_planes
+from uqfold.system.structure import SystemUnits
+from uqfold.typing import FloatArray
+
+_WORSE: tuple[Status, ...] = ("unchecked", "budget_exhausted", "doubtful", "failed")
+"""Statuses of searches, the worse ones last."""
+
+
+def estimate_of_units(
+    searches: Sequence[Search],
+    verdicts: Sequence[tuple[Status, str]],
+    n_shared: int,
+    units: SystemUnits,
+    missions: Missions,
+) -> Estimate:
+    """Answer one criterion from the searches of all sorts of units.
+
+    Parameters
+    ----------
+    searches
+        One for each sort (J,), at its own threshold.
+    verdicts
+        Status and reason of each; the worst is that of the system.
+    n_shared
+        Number of shared inputs.
+    units, missions
+        The system.
+    """
+    status, message = max(verdicts, key=lambda one: _WORSE.index(one[0]))
+    if status == "failed":
+        return Estimate.without_answer("failed", message)
+    betas = np.array([one.best.beta(one.threshold) for one in searches])
+    planes = Planes(betas, np.array([one.best.alpha[:n_shared] for one in searches]))
+    found = failure_of_planes(planes, units, missions)
+    estimate = Estimate(found.pf, found.reliability, status=status, message=message)
+    if status != "unchecked" or any(one.look is None or one.cut for one in searches):
+        return estimate
+    small = min(found.pf, found.reliability)
+
+    def distance(other: Planes, system: SystemUnits) -> float:
+        """How far another answer is from that of the planes, in the smaller probability."""
+        pair = [failure_of_planes(one, system, missions) for one in (planes, other)]
+        name = "pf" if pair[0].pf <= pair[0].reliability else "reliability"
+        return float(abs(getattr(pair[1], name) - getattr(pair[0], name))) + pair[1].error
+
+    changes = np.array([_change(one) for one in searches])
+    in_series = replace(units, diagram=None)
+    error = found.error + max(
+        distance(planes.with_betas(_moved(betas, sign * change)), system)
+        for sign in (1.0, -1.0)
+        for change, system in ((changes, units), (changes - LEAST, in_series))
+    )
+    at_start = np.array([one.start.alpha[:n_shared] for one in searches])
+    error += distance(replace(planes, shared=at_start), units)
+    if error > AGREED * small:
+        worst = betas[int(changes.argmax())]
+        reason = (
+            f"a limit state is not its plane, most at beta = {worst:.4g}: pf = {found.pf:.3g} may "
+            f"be {error:.2g} off"
+        )
+        return replace(estimate, status="doubtful", message=reason)
+    if units.diagram is not None:
+        return replace(estimate, message="not looked at where units that differ fail together")
+    return replace(
+        estimate,
+        std_error=error,
+        ci_low=max(0.0, found.pf - NORMAL_95 * error),
+        ci_high=min(1.0, found.pf + NORMAL_95 * error),
+        ci_kind="second order",
+        error_kind="surrogate",
+        status="converged",
+    )
+
+
+def _change(search: Search) -> float:
+    """By how much the smaller probability of a unit may be another one, as a logarithm."""
+    look = search.look
+    if look is None:
+        return math.inf
+    others = max(found_elsewhere(search), look.elsewhere)
+    return LEAST + max(look.curvature, look.sampled) + look.place + others
+
+
+def _moved(betas: FloatArray, changes: FloatArray) -> FloatArray:
+    return np.array([index_moved(*one) for one in zip(betas, changes, strict=True)])
