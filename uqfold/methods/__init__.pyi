@@ -9,6 +9,13 @@ from uqfold.methods.base import (
     Task as Task,
 )
 from uqfold.methods.conditional_monte_carlo import ConditionalMonteCarlo as ConditionalMonteCarlo
+from uqfold.methods.factorial_inner import (
+    DimensionReduction as DimensionReduction,
+    FullFactorial as FullFactorial,
+    SparseGrid as SparseGrid,
+)
+from uqfold.methods.factorial_outer import GaussOuter as GaussOuter, RefinedOuter as RefinedOuter
+from uqfold.methods.ffni import FFNI as FFNI
 from uqfold.methods.ffni_pearson import FFNIPearson as FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint as FFNISaddlepoint
 from uqfold.methods.kriging import Kriging as Kriging

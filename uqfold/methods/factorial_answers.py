@@ -13,18 +13,21 @@ from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.factorial_design import FFNIDetails, Nodes, counts_per_input
 from uqfold.methods.result import Estimate
 from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
-from uqfold.typing import FloatArray, IntArray
+from uqfold.typing import BoolArray, FloatArray, IntArray
 
 DoubtsAbout: TypeAlias = Callable[[Sequence[Criterion], Sequence[SystemProbability]], list[str]]
 """Why each answer is ``doubtful``; an empty text where it is not."""
 
 _MATTERS = 1e-3
 """Share of pf from which a fallback at one node makes the whole answer doubtful."""
+_BEYOND_END = 0.05
+"""Quadrature weight of nodes with T beyond their last value from which pf is doubtful."""
 
 
 def system_estimates(
@@ -73,18 +76,57 @@ def fallbacks_that_matter(
     units: SystemUnits,
     criteria: Sequence[Criterion],
     found: Sequence[SystemProbability],
+    replaced: Sequence[bool] = (),
 ) -> IntArray:
-    """Count the nodes (C,) at which a saddlepoint's fallback answers that contribute to pf."""
+    """Count the nodes (C,) at which another distribution answers that contribute to pf.
+
+    That is a saddlepoint's fallback, or any distribution at a node (K,) that is `replaced`.
+    """
     thresholds = units.thresholds([criterion.threshold for criterion in criteria])
     missions = np.array([float(criterion.max_missions) for criterion in criteria])
     pf = np.array([one.pf for one in found])
     fallbacks = np.zeros(len(criteria), dtype=int)
-    for weight, distribution in zip(weights, distributions, strict=True):
+    for k, (weight, distribution) in enumerate(zip(weights, distributions, strict=True)):
+        elsewhere: BoolArray
         if isinstance(distribution, SaddlepointDistribution):
             value = distribution.evaluate(thresholds)
-            share = weight * units.count * missions * np.minimum(value.cdf, value.sf)
-            fallbacks += (value.fallback & (share > _MATTERS * pf)).any(axis=0)
+            cdf, sf, elsewhere = value.cdf, value.sf, value.fallback
+        elif distribution is not None and k < len(replaced) and replaced[k]:
+            cdf, sf = distribution.cdf(thresholds), distribution.sf(thresholds)
+            elsewhere = np.ones(thresholds.shape, dtype=bool)
+        else:
+            continue
+        share = weight * units.count * missions * np.minimum(cdf, sf)
+        fallbacks += (elsewhere & (share > _MATTERS * pf)).any(axis=0)
     return fallbacks
+
+
+def doubts_about_ends(
+    units: SystemUnits,
+    criteria: Sequence[Criterion],
+    found: Sequence[SystemProbability],
+    details: FFNIDetails,
+) -> list[str]:
+    """Return where the threshold lies beyond the end of a bounded Pearson distribution."""
+    # the unit that fails last is the first to lie beyond
+    thresholds = units.thresholds([criterion.threshold for criterion in criteria]).max(axis=0)
+    beyond = np.zeros(thresholds.size)
+    for weight, distribution in zip(details.weights, details.distributions, strict=True):
+        if isinstance(distribution, PearsonDistribution):
+            beyond += float(weight) * (thresholds >= distribution.support[1])
+    beyond[thresholds == np.inf] = 0.0
+    return [_doubt_about_end(*row) for row in zip(criteria, found, beyond.tolist(), strict=True)]
+
+
+def _doubt_about_end(criterion: Criterion, found: SystemProbability, beyond: float) -> str:
+    if criterion.tau is None and beyond > _BEYOND_END:
+        return (
+            f"the threshold lies beyond the last value of the fitted distribution at shared nodes "
+            f"of weight {beyond:.2g}: their pf of 0 is a property of the family"
+        )
+    if found.pf == 0.0 and beyond > 0.0:
+        return "pf = 0 is a property of the fitted distribution, which is bounded"
+    return ""
 
 
 def doubts_about_responses(details: FFNIDetails) -> list[str]:

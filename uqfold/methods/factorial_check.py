@@ -29,7 +29,8 @@ from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray
 
 OTHERS = ("saddlepoint", "pearson", "cubic-normal")
-"""Families that are compared with one another."""
+"""Families that are compared with one another unless others are named."""
+_LINES = "the design without two nodes more along each shared input"
 _CAUTION = 1.5
 """Stated error over what the answers differ by; see ``docs/ffni.md`` for what was measured."""
 _LEAST = 5e-3
@@ -58,6 +59,12 @@ class OtherAnswers:
     causes: list[str]
     amounts: FloatArray
     families: BoolArray
+
+    def joined_by(self, cause: str, amounts: FloatArray) -> OtherAnswers:
+        """Add one more difference (C,)."""
+        return replace(
+            self, causes=[cause, *self.causes], amounts=np.vstack([amounts, self.amounts])
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +164,13 @@ def _moved(criteria: Sequence[Criterion], by: FloatArray) -> list[Criterion]:
 
 
 def with_verdicts(
-    task: Task, runs: FactorialRuns, own: Family, estimates: Sequence[Estimate], target: float
+    task: Task,
+    runs: FactorialRuns,
+    own: Family,
+    estimates: Sequence[Estimate],
+    target: float,
+    others: Sequence[str] = OTHERS,
+    change: FloatArray | None = None,
 ) -> list[Estimate]:
     """Check answers: each becomes ``converged`` or ``doubtful``.
 
@@ -176,12 +189,18 @@ def with_verdicts(
     target
         Largest stated error, relative to pf or to the reliability, whichever is smaller, of one
         that is converged.
+    others
+        Names of families to compare with.
+    change
+        What runs beside the design have changed pf, or the reliability, by already (C,).
     """
     try:
-        check = _check(task, runs, own)
+        check = _check(task, runs, own, [FAMILIES[name] for name in others])
         rows = [row for row, one in enumerate(estimates) if one.status not in NO_ANSWER]
         asked = [task.criteria[row] for row in rows]
         differences = check.differences(asked, [estimates[row] for row in rows])
+        if change is not None:
+            differences = differences.joined_by(_LINES, change[rows])
     except (BudgetExceededError, TimeLimitError) as error:
         return _noted(estimates, f"not checked: {error}")
     except ValueError as error:
@@ -201,24 +220,27 @@ def design_with_verdicts(
     own: Family,
     estimates: Sequence[Estimate],
     target: float,
+    others: Sequence[str] = OTHERS,
 ) -> list[Estimate]:
     """Check answers from the responses `y` of one product of `counts` nodes; see with_verdicts."""
     if not np.isfinite(y).all():
         return _doubted(estimates, "responses that are not finite cannot be checked")
     runs = FactorialRuns.of_product(task, counts, y)
-    return with_verdicts(task, runs, own, estimates, target)
+    return with_verdicts(task, runs, own, estimates, target, others)
 
 
-def _check(task: Task, runs: FactorialRuns, own: Family) -> FactorialCheck:
+def _check(
+    task: Task, runs: FactorialRuns, own: Family, others: Sequence[Family]
+) -> FactorialCheck:
     inputs = task.problem.inputs
     tested = tested_surface(task, runs)
     outer = [[n + more for n in runs.outer] for more in (0, MORE, _FINER)]
     while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
         outer[2] = [n - 1 for n in outer[2]]
-    least = runs.counts[inputs.n_shared :]
-    surface = SurfaceMoments(inputs, tested.surface, least, runs.additive, own.moments == 0)
+    quadratic = any(family.moments == 0 for family in (own, *others))
+    surface = SurfaceMoments(inputs, tested.surface, runs.least, runs.additive, quadratic)
     first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
-    others = [FAMILIES[name] for name in OTHERS if FAMILIES[name] != own]
+    others = [family for family in others if family.title != own.title]
     return FactorialCheck(SystemUnits.of(task.problem), own, others, (first, more, finest), tested)
 
 

@@ -15,12 +15,14 @@ import numpy as np
 
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import gauss_rule
+from uqfold.methods.factorial_design import MAX_NUMBERS
 from uqfold.methods.factorial_surface import FactorialSurface
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import ResponseMoments, moments_from_rule
 from uqfold.moments.families import Fit
 from uqfold.moments.generating import QuadraticForm
 from uqfold.moments.quadrature import tensor_grid
+from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
 GaussRule: TypeAlias = tuple[FloatArray, FloatArray]
@@ -53,7 +55,10 @@ class OuterRule:
 
     def fitted(self, fit: Fit) -> list[ConditionalDistribution] | None:
         """Return a distribution at every node, or None if one node has none."""
-        found = [fit(one) for one in self.moments]
+        found = []
+        for one in self.moments:
+            check_time()
+            found.append(fit(one))
         known = [one for one in found if one is not None]
         return known if len(known) == len(found) else None
 
@@ -132,6 +137,11 @@ class SurfaceMoments:
                 except ValueError:
                     continue
                 return wanted
+        if size * math.prod(self.least) > MAX_NUMBERS:
+            raise ValueError(
+                f"{len(self.least)} individual inputs are too many for a product of rules: give "
+                "inner = DimensionReduction(variables=1)"
+            )
         return list(self.least)
 
     def _sums(self, shared: list[FloatArray], size: int) -> list[ResponseMoments]:
@@ -166,8 +176,7 @@ class SurfaceMoments:
         u, weights = gauss_rule(normal(0.0, 1.0), n)
         grid = [u] * q
         if self.inputs.independent:
-            marginals = self.inputs.marginals[len(shared) :]
-            grid = [marginal.from_normal(u) for marginal in marginals]
+            grid = [column.from_normal(u) for column in self.inputs.columns[len(shared) :]]
         values = self.surface.on_grid([*shared, *grid]).reshape(len(moments), -1)
         points, product = tensor_grid([(u, weights)] * q)
         means = values @ product

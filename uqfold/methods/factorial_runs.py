@@ -12,7 +12,7 @@ from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
-from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.methods.factorial_surface import FactorialSurface, Patch
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.criterion import Criterion
 from uqfold.system.structure import SystemUnits
@@ -78,7 +78,7 @@ class KnownRuns:
         found = self.at(points)
         lost = int((~np.isfinite(found)).sum())
         if lost:
-            raise ValueError(f"{lost} of {found.size} responses of the check are not finite")
+            raise ValueError(f"{lost} of {found.size} responses are not finite")
         return found
 
 
@@ -103,6 +103,8 @@ class FactorialRuns:
         Nodes over each shared input from which the answer was made.
     additive
         Whether the polynomial has no interactions of individual inputs.
+    least
+        Nodes that an individual input has at least in rules over the polynomial.
     """
 
     known: KnownRuns
@@ -110,6 +112,57 @@ class FactorialRuns:
     counts: tuple[int, ...]
     outer: tuple[int, ...]
     additive: bool = False
+    least: tuple[int, ...] = ()
+
+    @classmethod
+    def laid_out(
+        cls, known: KnownRuns, outer: Sequence[int], grids: Sequence[tuple[float, tuple[int, ...]]]
+    ) -> FactorialRuns:
+        """Run the design: all nodes over the shared inputs times those over the individual ones.
+
+        Parameters
+        ----------
+        known
+            Runs made before.
+        outer
+            Nodes of each shared input.
+        grids
+            Products of nodes over the individual inputs: their shares and counts.
+
+        Raises
+        ------
+        ValueError
+            If a response is not finite.
+        BudgetExceededError, TimeLimitError
+            If there is no room for the runs; none is made then.
+        """
+        task, inputs = known.task, known.task.problem.inputs
+        products = [rules_of(inputs, [*outer, *counts]) for _, counts in grids]
+        points = [tensor_grid(rules)[0] for rules in products]
+        every = np.concatenate(points)
+        needed = known.missing(every)
+        if needed > task.session.remaining:
+            raise BudgetExceededError(
+                f"the design has {needed} nodes, max_evals = {task.session.max_evals}: choose "
+                "fewer, or raise the budget"
+            )
+        task.session.expect(task.session.n_evals + needed)
+        found = np.split(known.finite(every), np.cumsum([len(one) for one in points])[:-1])
+        patches = []
+        for (share, counts), rules, y in zip(grids, products, found, strict=True):
+            nodes = tuple(places for places, _ in rules)
+            patches.append(Patch(share, nodes, y.reshape([*outer, *counts])))
+        most = tuple(max(counts[i] for _, counts in grids) for i in range(inputs.n_individual))
+        smallest = min(patches, key=lambda patch: patch.table.size)
+        middle = np.array([places[places.size // 2] for places in smallest.nodes])
+        return cls(
+            known,
+            FactorialSurface(tuple(patches), middle),
+            (*outer, *most),
+            tuple(outer),
+            additive=all(sum(n > 1 for n in counts) <= 1 for _, counts in grids),
+            least=most if len(grids) == 1 else (3,) * len(most),
+        )
 
     @classmethod
     def of_product(cls, task: Task, counts: Sequence[int], y: FloatArray) -> FactorialRuns:
@@ -119,7 +172,9 @@ class FactorialRuns:
         known.add(tensor_grid(rules)[0], y)
         nodes = tuple(places for places, _ in rules)
         surface = FactorialSurface.of_product(nodes, y.reshape(tuple(counts)))
-        return cls(known, surface, tuple(counts), tuple(counts[: task.problem.inputs.n_shared]))
+        n_shared = task.problem.inputs.n_shared
+        outer, inner = tuple(counts[:n_shared]), tuple(counts[n_shared:])
+        return cls(known, surface, tuple(counts), outer, least=inner)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
-import numpy as np
-
 from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
-from uqfold.methods.factorial_answers import doubts_about_nodes, system_estimates
+from uqfold.methods.factorial_answers import doubts_about_ends, doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
-    FFNIDetails,
     Nodes,
     affordable_design,
     checked_nodes,
@@ -26,14 +22,11 @@ from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import PEARSON
 from uqfold.moments.families import FAMILIES
-from uqfold.moments.pearson import PearsonDistribution
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.structure import SystemUnits
 
 Family = Literal["pearson", "normal"]
-_BEYOND_END = 0.05
-"""Quadrature weight of nodes with T beyond their last value from which pf is doubtful."""
 
 
 @dataclass(frozen=True)
@@ -122,38 +115,10 @@ class FFNIPearson(ReliabilityMethod):
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            return _doubts(units, criteria, found, details)
+            return doubts_about_ends(units, criteria, found, details)
 
         estimates = system_estimates(task, responses, details, doubts, doubts_about)
         if self.check:
             counts = counts_per_input(task.problem.inputs, self.nodes_shared, self.nodes_individual)
             estimates = design_with_verdicts(task, counts, y, family, estimates, self.target_cov)
         return Solution(estimates, details)
-
-
-def _doubts(
-    units: SystemUnits,
-    criteria: Sequence[Criterion],
-    found: Sequence[SystemProbability],
-    details: FFNIDetails,
-) -> list[str]:
-    """Return where the threshold lies beyond the end of a bounded distribution."""
-    # the unit that fails last is the first to lie beyond
-    thresholds = units.thresholds([criterion.threshold for criterion in criteria]).max(axis=0)
-    beyond = np.zeros(thresholds.size)
-    for weight, distribution in zip(details.weights, details.distributions, strict=True):
-        if isinstance(distribution, PearsonDistribution):
-            beyond += float(weight) * (thresholds >= distribution.support[1])
-    beyond[thresholds == math.inf] = 0.0
-    return [_doubt(*row) for row in zip(criteria, found, beyond.tolist(), strict=True)]
-
-
-def _doubt(criterion: Criterion, found: SystemProbability, beyond: float) -> str:
-    if criterion.tau is None and beyond > _BEYOND_END:
-        return (
-            f"the threshold lies beyond the last value of the fitted distribution at shared nodes "
-            f"of weight {beyond:.2g}: their pf of 0 is a property of the family"
-        )
-    if found.pf == 0.0 and beyond > 0.0:
-        return "pf = 0 is a property of the fitted distribution, which is bounded"
-    return ""

@@ -16,6 +16,7 @@ ENTRY_POINT_GROUP = "uqfold.methods"
 _BUILT_IN: dict[str, str] = {
     "ffni-spa": "uqfold.methods.ffni_saddlepoint:FFNISaddlepoint",
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
+    "ffni": "uqfold.methods.ffni:FFNI",
     "kriging": "uqfold.methods.kriging:Kriging",
     "pce": "uqfold.methods.polynomial_chaos:PolynomialChaos",
     "active-kriging": "uqfold.methods.active_kriging:ActiveKriging",

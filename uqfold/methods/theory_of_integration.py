@@ -96,3 +96,43 @@ PEARSON = Theory(
         "David H.A., Nagaraja H.N. Order Statistics. 3rd ed., Wiley, 2003.",
     ),
 )
+
+COMPOSED = Theory(
+    summary=(
+        "Full-factorial numerical integration (FFNI) put together from its parts. The model is "
+        "run at Gauss nodes of the shared inputs, times a full factorial, a sparse grid or a "
+        "dimension reduction over the individual inputs. A polynomial goes through the responses; "
+        "its moments at each shared node, up to six of them, select the conditional distribution. "
+        "The rule over the shared inputs is refined on the polynomial, which takes no runs but two "
+        "nodes more along each shared input. Runs beside the design, finer rules and other "
+        "distributions with the same moments tell the stated error."
+    ),
+    equations=(
+        _OUTER,
+        Equation(
+            "the polynomial is a sum of products of Lagrange's polynomials with shares c, one for "
+            "each product of nodes",
+            r"q(v, x) = \sum_g c_g \sum_j y_j \, \ell_j^{(g)}(v, x)",
+        ),
+        Equation(
+            "with standardised moments the cubic normal distribution has, for standard normal u,",
+            r"\frac{y - \mu}{\sigma} = -c + b u + c u^2 + d u^3",
+        ),
+        Equation(
+            "a response of degree two in standard normal inputs, with eigenvalues l and slopes b, "
+            "has the cumulant-generating function",
+            r"K(s) = \sum_i \left[ - \tfrac{1}{2} \log(1 - 2 l_i s) "
+            r"+ \frac{b_i^2 s^2}{2 (1 - 2 l_i s)} \right]",
+        ),
+    ),
+    references=(
+        _PAPER,
+        "Rahman S., Xu H. A univariate dimension-reduction method for multi-dimensional "
+        "integration in stochastic mechanics. Probabilistic Engineering Mechanics 19 (2004) "
+        "393-408.",
+        "Fleishman A.I. A method for simulating non-normal distributions. Psychometrika 43 (1978) "
+        "521-532.",
+        "Imhof J.P. Computing the distribution of quadratic forms in normal variables. Biometrika "
+        "48 (1961) 419-426.",
+    ),
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,11 @@ class Moments:
     kurtosis: FloatArray
     fifth: FloatArray
     sixth: FloatArray
+
+    @classmethod
+    def of_rows(cls, rows: Sequence[ResponseMoments]) -> Moments:
+        """Join the moments of K responses."""
+        return cls(*np.array([[*one.four, one.fifth, one.sixth] for one in rows]).T)
 
     def row(self, k: int) -> tuple[float, float, float, float]:
         """Mean, std, skewness and kurtosis of row k as plain floats."""

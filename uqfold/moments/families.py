@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from uqfold.moments.conditional import ConditionalDistribution
+from uqfold.moments.conditional import AtomicDistribution, ConditionalDistribution
 from uqfold.moments.cubic_normal import cornish_fisher, cubic_normal
 from uqfold.moments.cumulants import ResponseMoments
 from uqfold.moments.generating import Cumulants
@@ -39,6 +39,23 @@ class Family:
     fit: Fit
     dense: bool = True
     moments: int = 4
+
+    def always(self) -> Family:
+        """Return the family with Pearson's distribution where it has none."""
+        own = self.fit
+
+        def fit(known: ResponseMoments) -> ConditionalDistribution:
+            return own(known) or PearsonDistribution.from_moments(*known.four)
+
+        return replace(self, fit=fit)
+
+    def stands_in(self, distribution: ConditionalDistribution | None) -> bool:
+        """Whether a distribution of `always` is Pearson's in the place of an own one."""
+        if self.title == FAMILIES["pearson"].title:
+            return False
+        if isinstance(distribution, AtomicDistribution):
+            return len(distribution.values) > 1
+        return isinstance(distribution, PearsonDistribution)
 
 
 def _six_cumulants(known: ResponseMoments) -> ConditionalDistribution:

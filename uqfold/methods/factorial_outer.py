@@ -1,0 +1,157 @@
+"""How FFNI takes the expectation over the shared inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from uqfold.checks import keep, real, whole
+from uqfold.inputs.gauss import MAX_GAUSS_NODES
+from uqfold.methods.factorial_design import Nodes, checked_nodes
+from uqfold.methods.factorial_inner import Grids
+from uqfold.methods.factorial_runs import MORE, FactorialRuns, KnownRuns, line_places
+from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.typing import FloatArray
+
+Answer: TypeAlias = Callable[[FactorialRuns, Sequence[int]], FloatArray]
+"""Smaller ones of pf and reliability (C,) from runs and the nodes of a rule over them."""
+
+MOST_NODES = 400
+"""Nodes of the finest rule over all shared inputs together."""
+
+
+@dataclass(frozen=True)
+class GaussOuter:
+    """One Gauss rule: the paper's choice.
+
+    Attributes
+    ----------
+    nodes
+        Nodes per shared input, from 2 to 64: one number for all, or a tuple.
+    """
+
+    nodes: Nodes = 3
+
+    def __post_init__(self) -> None:
+        keep(self, "nodes", checked_nodes)
+
+
+@dataclass(frozen=True)
+class RefinedOuter:
+    """Gauss rules over the polynomial through few nodes, refined until answers stand.
+
+    The response is smooth in the shared inputs; the power of its distribution that a system of
+    many units asks for is not. So the model is run at few nodes, and at two more along each shared
+    input, the others in the middle; the rule over the polynomial through them costs no runs.
+
+    Attributes
+    ----------
+    tolerance
+        Largest change, relative to pf or to the reliability, whichever is smaller: between one rule
+        over the polynomial and the next, and by the two nodes more. Where these change more, the
+        whole design is run with two nodes more for each shared input.
+    nodes
+        Nodes per shared input of the first design.
+    most
+        Most nodes per shared input of a design; not above `nodes`: the first one is the last.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+    """
+
+    tolerance: float = 0.01
+    nodes: Nodes = 3
+    most: int = 9
+
+    def __post_init__(self) -> None:
+        keep(self, "tolerance", real, above=0.0)
+        keep(self, "nodes", checked_nodes)
+        keep(self, "most", whole, at_least=2, at_most=MAX_GAUSS_NODES)
+
+
+Outer: TypeAlias = GaussOuter | RefinedOuter
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """What refining has found.
+
+    Attributes
+    ----------
+    runs
+        The last design with its lines, and the nodes of the last rule.
+    change
+        What the lines changed the smaller one of pf and reliability by (C,).
+    """
+
+    runs: FactorialRuns
+    change: FloatArray
+
+
+def refined(
+    outer: RefinedOuter, first: Sequence[int], known: KnownRuns, grids: Grids, answer: Answer
+) -> Refined:
+    """Run designs and refine rules until answers stand, or the budget ends.
+
+    Parameters
+    ----------
+    outer
+        The settings.
+    first
+        Nodes of each shared input in the first design.
+    known
+        Runs made before; takes those made here.
+    grids
+        The design over the individual inputs.
+    answer
+        Answers the criteria.
+
+    Raises
+    ------
+    ValueError
+        If a response is not finite, or an input has no such rule.
+    BudgetExceededError, TimeLimitError
+        If there is no room for the first design and its lines.
+    """
+    task, counts = known.task, list(first)
+    while True:
+        plain = FactorialRuns.laid_out(known, counts, grids)
+        surface = _with_shared_lines(known, plain)
+        runs = _settled(replace(plain, surface=surface), outer.tolerance, answer)
+        with_lines = answer(runs, runs.outer)
+        change = np.abs(answer(plain, runs.outer) - with_lines)
+        enough = (change <= outer.tolerance * with_lines).all()
+        counts = [n + MORE for n in counts]
+        if enough or max(counts) > outer.most:
+            return Refined(runs, change)
+        size = math.prod(counts) * sum(math.prod(some) for _, some in grids)
+        if size + MORE * len(counts) > task.session.remaining:
+            return Refined(runs, change)
+
+
+def _with_shared_lines(known: KnownRuns, runs: FactorialRuns) -> FactorialSurface:
+    shared = range(len(runs.outer))
+    lines = line_places(known.task, runs.surface, runs.counts, shared)
+    return runs.surface.with_lines(lines, known.finite)
+
+
+def _settled(runs: FactorialRuns, tolerance: float, answer: Answer) -> FactorialRuns:
+    """Refine the rule over the polynomial: half as many nodes more each time."""
+    counts = runs.outer
+    before = answer(runs, counts)
+    while counts:
+        finer = tuple(min(n + max(MORE, n // 2), MAX_GAUSS_NODES) for n in counts)
+        if finer == counts or math.prod(finer) > MOST_NODES:
+            break
+        counts = finer
+        after = answer(runs, counts)
+        if (np.abs(after - before) <= 0.3 * tolerance * after).all():
+            break
+        before = after
+    return replace(runs, outer=counts)
