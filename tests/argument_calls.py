@@ -175,6 +175,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
     "methods.AskTellSession.replay",
+    "methods.FullFactorial.grids", "methods.SparseGrid.grids", "methods.DimensionReduction.grids",
     "methods.Estimate.without_answer", "methods.Task.generator",
     "methods.Task.summed_up", "testing.LinearNormalSystem.partner",
     "testing.LinearNormalSystem.response",
@@ -722,6 +723,26 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "methods.Estimate": Call(methods.Estimate, estimate),
+        "methods.DimensionReduction": Call(
+            methods.DimensionReduction, {"variables": count(2), "nodes": count()}
+        ),
+        "methods.FFNI": Call(
+            methods.FFNI,
+            {
+                "inner": thing(methods.SparseGrid()),
+                "distribution": choice("pearson"),
+                "outer": thing(methods.GaussOuter()),
+                "check": flag(),
+                "target_cov": number(),
+            },
+        ),
+        "methods.FFNI.mended": Call(methods.FFNI.mended, {"distribution": choice("normal")}),
+        "methods.FullFactorial": Call(methods.FullFactorial, {"nodes": nodes}),
+        "methods.GaussOuter": Call(methods.GaussOuter, {"nodes": nodes}),
+        "methods.RefinedOuter": Call(
+            methods.RefinedOuter, {"tolerance": number(), "nodes": nodes, "most": count()}
+        ),
+        "methods.SparseGrid": Call(methods.SparseGrid, {"level": count()}),
         "methods.FFNIPearson": Call(
             methods.FFNIPearson,
             {

@@ -20,6 +20,8 @@ from uqfold.typing import FloatArray
 Answer: TypeAlias = Callable[[FactorialRuns, Sequence[int]], FloatArray]
 """Smaller ones of pf and reliability (C,) from runs and the nodes of a rule over them."""
 
+_SETTLED = 0.3
+"""Share of the tolerance that two rules over the polynomial may differ by."""
 MOST_NODES = 400
 """Nodes of the finest rule over all shared inputs together."""
 
@@ -123,8 +125,8 @@ def refined(
     while True:
         plain = FactorialRuns.laid_out(known, counts, grids)
         surface = _with_shared_lines(known, plain)
-        runs = _settled(replace(plain, surface=surface), outer.tolerance, answer)
-        with_lines = answer(runs, runs.outer)
+        corrected = replace(plain, surface=surface)
+        runs, with_lines = _settled(corrected, outer.tolerance, answer)
         change = np.abs(answer(plain, runs.outer) - with_lines)
         enough = (change <= outer.tolerance * with_lines).all()
         counts = [n + MORE for n in counts]
@@ -141,17 +143,18 @@ def _with_shared_lines(known: KnownRuns, runs: FactorialRuns) -> FactorialSurfac
     return runs.surface.with_lines(lines, known.finite)
 
 
-def _settled(runs: FactorialRuns, tolerance: float, answer: Answer) -> FactorialRuns:
-    """Refine the rule over the polynomial: half as many nodes more each time."""
+def _settled(
+    runs: FactorialRuns, tolerance: float, answer: Answer
+) -> tuple[FactorialRuns, FloatArray]:
+    """Refine the rule over the polynomial, by half as many nodes each time, and answer with it."""
     counts = runs.outer
-    before = answer(runs, counts)
+    found = answer(runs, counts)
     while counts:
         finer = tuple(min(n + max(MORE, n // 2), MAX_GAUSS_NODES) for n in counts)
         if finer == counts or math.prod(finer) > MOST_NODES:
             break
-        counts = finer
-        after = answer(runs, counts)
-        if (np.abs(after - before) <= 0.3 * tolerance * after).all():
+        counts, before = finer, found
+        found = answer(runs, counts)
+        if (np.abs(found - before) <= _SETTLED * tolerance * found).all():
             break
-        before = after
-    return replace(runs, outer=counts)
+    return replace(runs, outer=counts), found

@@ -212,10 +212,10 @@ def _finest(inputs: JointInputs, axis: int, least: int) -> GaussRule:
     """Return the finest rule of an input that moments of polynomials need and its marginal has."""
     for n in range(max(_FINE, least), least, -1):
         try:
-            return _rule_of(inputs, axis, n)
+            return rule_of(inputs, axis, n)
         except ValueError:
             continue
-    return _rule_of(inputs, axis, least)
+    return rule_of(inputs, axis, least)
 
 
 def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
@@ -228,10 +228,11 @@ def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
     ValueError
         If a marginal has no such rule.
     """
-    return [_rule_of(inputs, i, n) for i, n in enumerate(counts)]
+    return [rule_of(inputs, i, n) for i, n in enumerate(counts)]
 
 
-def _rule_of(inputs: JointInputs, i: int, n: int) -> GaussRule:
+def rule_of(inputs: JointInputs, i: int, n: int) -> GaussRule:
+    """Return the rule of one input; see `rules_of`."""
     return inputs.gauss_rule(i, n) if inputs.independent else gauss_rule(normal(0.0, 1.0), n)
 
 

@@ -5,13 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
-from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
+from uqfold.methods.factorial_rules import (
+    MOST_POINTS,
+    GaussRule,
+    product_of_weights,
+    rule_of,
+    rules_of,
+)
 from uqfold.methods.factorial_surface import FactorialSurface, Patch
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.criterion import Criterion
@@ -137,7 +144,10 @@ class FactorialRuns:
             If there is no room for the runs; none is made then.
         """
         task, inputs = known.task, known.task.problem.inputs
-        products = [rules_of(inputs, [*outer, *counts]) for _, counts in grids]
+        shared = rules_of(inputs, outer)
+        most = tuple(max(counts[i] for _, counts in grids) for i in range(inputs.n_individual))
+        rule = cache(lambda i, n: rule_of(inputs, inputs.n_shared + i, n))
+        products = [[*shared, *(rule(i, n) for i, n in enumerate(counts))] for _, counts in grids]
         points = [tensor_grid(rules)[0] for rules in products]
         every = np.concatenate(points)
         needed = known.missing(every)
@@ -152,7 +162,6 @@ class FactorialRuns:
         for (share, counts), rules, y in zip(grids, products, found, strict=True):
             nodes = tuple(places for places, _ in rules)
             patches.append(Patch(share, nodes, y.reshape([*outer, *counts])))
-        most = tuple(max(counts[i] for _, counts in grids) for i in range(inputs.n_individual))
         smallest = min(patches, key=lambda patch: patch.table.size)
         middle = np.array([places[places.size // 2] for places in smallest.nodes])
         return cls(

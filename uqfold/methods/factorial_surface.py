@@ -32,7 +32,7 @@ class Patch:
     Attributes
     ----------
     share
-        Factor of its polynomial in the surface.
+        Factor of its polynomial in the surface; they sum to one.
     nodes
         Nodes (m_i,) of every input; one node alone leaves the input out.
     table
@@ -71,8 +71,10 @@ class FactorialSurface:
     def on_grid(self, grid: Sequence[FloatArray]) -> FloatArray:
         """Return its values (g_1, ..., g_d) on the product of nodes (g_i,) of every input."""
         total = np.zeros([places.size for places in grid])
+        # beside one response, so that a constant stays what it is to the last bit
+        origin = self.patches[0].table.flat[0]
         for patch in self.patches:
-            values = patch.table
+            values = patch.table - origin
             for axis, (nodes, wanted) in enumerate(zip(patch.nodes, grid, strict=True)):
                 if nodes.size > 1:
                     moved = np.tensordot(_lagrange(nodes, wanted), values, axes=(1, axis))
@@ -82,7 +84,7 @@ class FactorialSurface:
             shape = [1] * len(grid)
             shape[axis] = -1
             total += (_lagrange(nodes, grid[axis]) @ added).reshape(shape)
-        return total
+        return np.asarray(total + origin)
 
     def at(self, points: FloatArray) -> FloatArray:
         """Return its values (n,) at a few points (n, d)."""

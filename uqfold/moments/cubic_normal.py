@@ -31,7 +31,7 @@ from uqfold.moments.conditional import AtomicDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.typing import FloatArray
 
-_STEPS, _NEWTON = 20, 12
+_STEPS, _NEWTON = (2, 20), 12
 _SOLVED = 1e-9
 # Normal scores of the table, and within which the cubic has to rise.
 _SCORES = np.linspace(-8.0, 8.0, 65)
@@ -52,8 +52,11 @@ def cubic_normal(
     """
     if std == 0.0:
         return AtomicDistribution((mean,))
-    coefficients = _coefficients(skewness, kurtosis - 3.0)
-    if coefficients is None:
+    for steps in _STEPS:
+        coefficients = _coefficients(skewness, kurtosis - 3.0, steps)
+        if coefficients is not None:
+            break
+    else:
         return None
     return _of_cubic(mean, std, *coefficients.tolist())
 
@@ -89,10 +92,10 @@ def _of_cubic(
     return TabulatedDistribution(levels, scores)
 
 
-def _coefficients(skewness: float, excess: float) -> FloatArray | None:
+def _coefficients(skewness: float, excess: float, steps: int) -> FloatArray | None:
     """Return b, c, d, or None where the path from the normal leads to no solution."""
     found = np.array([1.0, 0.0, 0.0])
-    for share in np.linspace(0.0, 1.0, _STEPS + 1)[1:]:
+    for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
         wanted = share * np.array([0.0, skewness, excess]) + np.array([1.0, 0.0, 0.0])
         for _ in range(_NEWTON):
             error, slopes = _moments(*found.tolist())

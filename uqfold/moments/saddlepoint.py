@@ -186,7 +186,7 @@ class SaddlepointDistribution:
             error = self._generating.slope(s) - x
             low, high = np.where(error <= 0, s, low), np.where(error >= 0, s, high)
             with np.errstate(divide="ignore", invalid="ignore"):
-                newton = s - error / self._generating.parts(s)[1]
+                newton = s - error / self._generating.bend(s)
             inside = (newton >= low) & (newton <= high)
             proposal = np.where(inside, newton, 0.5 * (low + high))
             done = np.abs(proposal - s) <= 4e-16 * np.abs(s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -208,12 +209,13 @@ def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> Non
 
 def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, _: Settings) -> None:
     """A new interpreter on the same processor, with other string hashing, gives the same bits."""
-    settings = {f.name: getattr(method, f.name) for f in fields(method)}
+    settings = pickle.dumps({f.name: getattr(method, f.name) for f in fields(method)})
     code = (
+        "import pickle\n"
         f"from {type(method).__module__} import {type(method).__qualname__} as Method\n"
         "from uqfold.testing.conduct import grid\n"
         "from uqfold.testing.linear_normal import LinearNormalSystem\n"
-        f"method = Method(**{settings!r})\n"
+        f"method = Method(**pickle.loads({settings!r}))\n"
         f"result = method.estimate(LinearNormalSystem().problem(), grid(), "
         f"max_evals={SMALL_BUDGET}, rng=7)\n"
         "print([value.hex() for value in result.pf])\n"
