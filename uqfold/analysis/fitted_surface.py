@@ -8,7 +8,7 @@ these back to the variables of the surface. No evaluation of the model is needed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -22,8 +22,10 @@ from uqfold.methods.polynomial_chaos import PolynomialChaos, PolynomialChaosDeta
 from uqfold.methods.response_surface import ResponseSurface
 from uqfold.methods.result import NO_ANSWER, ReliabilityResult
 from uqfold.methods.seeding import RandomSource
+from uqfold.methods.warped import WarpedSurface
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
+from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray
 
@@ -96,7 +98,8 @@ def fit_surface(
 ) -> FittedSurface:
     """Run a method and take its surface.
 
-    Parameters as in `ReliabilityMethod.estimate`.
+    Parameters as in `ReliabilityMethod.estimate`. Responses are not transformed (`warp`): what is
+    asked of the surface is asked of the responses.
 
     Raises
     ------
@@ -107,6 +110,7 @@ def fit_surface(
     """
     checked_unit(problem)
     instance("method", method, (Kriging, PolynomialChaos), "give Kriging() or PolynomialChaos()")
+    method = replace(method, warp=False)
     result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
     details = result.details
     if not isinstance(details, KrigingDetails | PolynomialChaosDetails):
@@ -118,5 +122,7 @@ def fit_surface(
             f"{result.n_evals - finite} of {result.n_evals} runs gave no finite response: a "
             "surface says nothing about where they are"
         )
-    noise = details.surface.noise_std if isinstance(details, KrigingDetails) else 0.0
-    return FittedSurface(details.surface, problem.inputs, noise, result)
+    surface = details.surface
+    assert not isinstance(surface, WarpedSurface)
+    noise = surface.noise_std if isinstance(surface, GaussianProcess) else 0.0
+    return FittedSurface(surface, problem.inputs, noise, result)

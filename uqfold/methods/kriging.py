@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
 
-from uqfold.checks import choice, keep, or_none, real, whole
+from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
@@ -18,6 +18,7 @@ from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surfa
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
+from uqfold.methods.warped import WarpedSurface, transformed, warp_for
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
@@ -51,18 +52,19 @@ class KrigingDetails:
     Attributes
     ----------
     surface
-        The Gaussian process, with training points, hyperparameters, `mean` and `std`.
+        The Gaussian process, with training points, hyperparameters, `mean` and `std`; where it is
+        one of transformed responses, that process and the transformation.
     cross_validation
-        Leave-one-out residuals.
+        Leave-one-out residuals, of transformed responses in that case.
     relative_error
-        Their root mean square, as a share of the standard deviation of the training responses.
+        Their root mean square, as a share of the standard deviation of these responses.
     errors
         Where the stated errors come from.
     of_other_kinds
         The same for the surfaces of other kinds of units, in the order in which they occur.
     """
 
-    surface: GaussianProcess
+    surface: GaussianProcess | WarpedSurface
     cross_validation: LeaveOneOut
     relative_error: float
     errors: ErrorParts
@@ -104,6 +106,10 @@ class Kriging(SequentialMethod):
     target_cov
         Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
         a row that states more is ``doubtful``.
+    warp
+        Whether responses that span decades may be transformed first, by a power or a logarithm that
+        is found from the runs, if this predicts left-out runs better; `noise`, units that differ
+        and a synchronization threshold keep them as they are.
 
     Raises
     ------
@@ -124,6 +130,7 @@ class Kriging(SequentialMethod):
     noise: float | None = None
     spread: float = 2.0
     target_cov: float = TARGET_COV
+    warp: bool = True
 
     def __post_init__(self) -> None:
         keep(self, "runs", or_none, whole, at_least=1)
@@ -132,6 +139,7 @@ class Kriging(SequentialMethod):
         keep(self, "noise", or_none, checked_noise)
         keep(self, "spread", checked_spread)
         keep(self, "target_cov", real, above=0.0)
+        keep(self, "warp", flag)
 
     @property
     def stochastic(self) -> bool:
@@ -151,13 +159,16 @@ class Kriging(SequentialMethod):
     def _answered(
         self, task: Task, known: dict[Tried, GaussianProcess], runs: Sequence[DesignRuns]
     ) -> tuple[Solution, float]:
-        kinds = []
-        for kind, own in enumerate(runs):
-            fits, stopped = task.summed_up(partial(self._fitted, task, known, kind, own))
-            surface, *others = fits
-            made = replace(own, stopped=stopped) if stopped else own
-            rivals = [Rival.by_prediction(surface, other) for other in others]
-            kinds.append((surface, FittedKind(surface, made, surface.noise_std, rivals)))
+        kinds = [self._kind(task, known, kind, own) for kind, own in enumerate(runs)]
+        warp = warp_for(task, runs[0]) if self.warp and self.noise is None else None
+        if warp is not None:
+            asked, seen = transformed(task, runs[0], warp)
+            warped = self._kind(task, {}, 0, seen)
+            # in the same unit: the mean logarithm of the transformation's slope is 0
+            if warped[1].validated.log_density > kinds[0][1].validated.log_density:
+                task, kinds = asked, [warped]
+            else:
+                warp = None
         largest = max(own.y.size for own in runs)
         found = surface_estimates(
             task, [fitted for _, fitted in kinds], task.generator(1),
@@ -169,9 +180,20 @@ class Kriging(SequentialMethod):
         for surface, fitted in kinds:
             scatter, validated = float(surface.y.std()), fitted.validated
             relative = validated.rms / scatter if scatter > 0.0 else 0.0
-            details.append(KrigingDetails(surface, validated, relative, found.errors))
+            shown = surface if warp is None else WarpedSurface(surface, warp)
+            details.append(KrigingDetails(shown, validated, relative, found.errors))
         first = replace(details[0], of_other_kinds=tuple(details[1:]))
         return Solution(found.estimates, first), found.shortfall
+
+    def _kind(
+        self, task: Task, known: dict[Tried, GaussianProcess], kind: int, runs: DesignRuns
+    ) -> tuple[GaussianProcess, FittedKind]:
+        """Fit the surface of one kind of units."""
+        fits, stopped = task.summed_up(partial(self._fitted, task, known, kind, runs))
+        surface, *others = fits
+        made = replace(runs, stopped=stopped) if stopped else runs
+        rivals = [Rival.by_prediction(surface, other) for other in others]
+        return surface, FittedKind(surface, made, surface.noise_std, rivals)
 
     def _fitted(
         self,

@@ -23,6 +23,7 @@ from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surfa
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
+from uqfold.methods.warped import WarpedSurface, transformed, warp_for
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -50,21 +51,22 @@ class PolynomialChaosDetails:
     Attributes
     ----------
     surface
-        The expansion: multi-indices, coefficients, `mean`, `to_chaospy`.
+        The expansion: multi-indices, coefficients, `mean`, `to_chaospy`; where it is one of
+        transformed responses, that expansion and the transformation.
     sobol_indices
-        Sensitivity of the response to each input, in the order of the problem's inputs. With
-        dependent inputs: to the variables of the Rosenblatt transformation.
+        Sensitivity of the response, transformed in that case, to each input, in the order of the
+        problem's inputs. With dependent inputs: to the variables of the Rosenblatt transformation.
     cross_validation
-        Leave-one-out residuals.
+        Leave-one-out residuals, of transformed responses in that case.
     relative_error
-        Their root mean square, as a share of the standard deviation of the training responses.
+        Their root mean square, as a share of the standard deviation of these responses.
     errors
         Where the stated errors come from.
     of_other_kinds
         The same for the surfaces of other kinds of units, in the order in which they occur.
     """
 
-    surface: PolynomialChaosExpansion
+    surface: PolynomialChaosExpansion | WarpedSurface
     sobol_indices: VarianceShares
     cross_validation: LeaveOneOut
     relative_error: float
@@ -110,6 +112,10 @@ class PolynomialChaos(SequentialMethod):
     target_cov
         Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
         a row that states more is ``doubtful``.
+    warp
+        Whether responses that span decades may be transformed first, by a power or a logarithm that
+        is found from the runs, if this predicts left-out runs better; the nodes of ``ffni``, units
+        that differ and a synchronization threshold keep them as they are.
 
     Raises
     ------
@@ -133,6 +139,7 @@ class PolynomialChaos(SequentialMethod):
     nodes_individual: Nodes = 5
     spread: float = DEFAULT_SPREAD
     target_cov: float = TARGET_COV
+    warp: bool = True
 
     def __post_init__(self) -> None:
         keep(self, "runs", or_none, whole, at_least=1)
@@ -144,6 +151,7 @@ class PolynomialChaos(SequentialMethod):
         keep(self, "nodes_individual", checked_nodes)
         keep(self, "spread", checked_spread)
         keep(self, "target_cov", real, above=0.0)
+        keep(self, "warp", flag)
 
     @property
     def stochastic(self) -> bool:
@@ -171,6 +179,14 @@ class PolynomialChaos(SequentialMethod):
             self._fitted(task, inputs, own)
             for inputs, own in zip(task.problem.kinds.inputs, runs, strict=True)
         ]
+        warp = warp_for(task, runs[0]) if self.warp and self.stochastic else None
+        if warp is not None:
+            asked, seen = transformed(task, runs[0], warp)
+            warped = self._fitted(task, task.problem.inputs, seen)
+            if _mean_square(*warped) < _mean_square(*kinds[0]):
+                task, kinds = asked, [warped]
+            else:
+                warp = None
         rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
         found = surface_estimates(
             task, [fitted for _, fitted in kinds], rng,
@@ -182,7 +198,8 @@ class PolynomialChaos(SequentialMethod):
             validated, scatter = fitted.validated, float(fitted.known.std())
             relative = validated.rms / scatter if scatter > 0.0 else 0.0
             shares = surface.sobol_indices()
-            own = PolynomialChaosDetails(surface, shares, validated, relative, found.errors)
+            shown = surface if warp is None else WarpedSurface(surface, warp)
+            own = PolynomialChaosDetails(shown, shares, validated, relative, found.errors)
             details.append(own)
         first = replace(details[0], of_other_kinds=tuple(details[1:]))
         return Solution(found.estimates, first), found.shortfall
@@ -240,6 +257,11 @@ class PolynomialChaos(SequentialMethod):
             *_repeated(self.nodes_shared, inputs.n_shared),
             *_repeated(self.nodes_individual, inputs.n_individual),
         ]
+
+
+def _mean_square(surface: PolynomialChaosExpansion, fitted: FittedKind) -> float:
+    """Return the corrected leave-one-out error in the squared unit of the response."""
+    return surface.regression.error * float(fitted.known.var())
 
 
 def _repeated(nodes: Nodes, n_variables: int) -> tuple[int, ...]:
