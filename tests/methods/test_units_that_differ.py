@@ -39,7 +39,7 @@ from uqfold.methods import (
 )
 from uqfold.methods.kriging import KrigingDetails
 from uqfold.problems.structure import SystemStructure
-from uqfold.testing.linear_normal import _works
+from uqfold.testing.linear_normal import works_as
 from uqfold.typing import FloatArray
 
 INPUTS = {"shared": {"V": normal(0, 1)}, "individual": {"U": normal(0, 1)}}
@@ -75,7 +75,7 @@ def exact(units: Sequence[Unit], structure: SystemStructure, criterion: Criterio
             text = text.replace(name, f"u{i}")
         renamed = Structure(text)
     states = list(product((False, True), repeat=len(units)))
-    broken = np.array([works for works in states if not _works(renamed, works)])
+    broken = np.array([works for works in states if not works_as(renamed, works)])
     missions = criterion.missions
     number = missions.planned if isinstance(missions, Binomial) else missions
     flown = missions.p if isinstance(missions, Binomial) else 1.0

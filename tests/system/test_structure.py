@@ -18,7 +18,7 @@ from uqfold.inputs import normal
 from uqfold.methods import OpenTURNSFORM
 from uqfold.system.linearised import linearised_failure
 from uqfold.system.structure import SystemUnits, diagram
-from uqfold.testing.linear_normal import _works
+from uqfold.testing.linear_normal import works_as
 from uqfold.typing import FloatArray
 
 NAMES = tuple(f"u{i}" for i in range(6))
@@ -48,9 +48,9 @@ def test_units_that_differ_in_any_structure(structure: Any) -> None:
     exact = np.zeros((2, 3))
     for works in product((False, True), repeat=6):
         chance = np.prod(np.where(np.array(works)[:, None], 1.0 - fails, fails), axis=0)
-        exact[int(_works(structure, works))] += chance
+        exact[int(works_as(structure, works))] += chance
         response = diagram(structure, NAMES).response(np.where(works, -1.0, 1.0))
-        assert (response < 0.0) == _works(structure, works)
+        assert (response < 0.0) == works_as(structure, works)
     assert failure == pytest.approx(exact[0], rel=1e-12, abs=0.0)
     assert success == pytest.approx(exact[1], rel=1e-12, abs=0.0)
 

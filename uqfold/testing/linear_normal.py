@@ -134,13 +134,13 @@ class LinearNormalSystem:
         """Failure of a mission from all states of the units, given how each fails and works."""
         failure = np.zeros(late.shape)
         for works in product((False, True), repeat=self.units):
-            if not _works(self.structure, works):
+            if not works_as(self.structure, works):
                 count = sum(works)
                 failure += in_time**count * late ** (self.units - count)
         return np.minimum(failure, _ALMOST_SURE)
 
 
-def _works(structure: SystemStructure, works: Sequence[bool]) -> bool:
+def works_as(structure: SystemStructure, works: Sequence[bool]) -> bool:
     """Whether a system works whose units do or do not."""
     if isinstance(structure, Parallel):
         return any(works)
