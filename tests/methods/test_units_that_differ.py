@@ -222,6 +222,14 @@ def test_surfaces_that_differ_under_tau() -> None:
     assert row.reliability == pytest.approx(synchronized(units, 1.5, 1.2), rel=1e-4)
 
 
+def test_offsets_under_tau_by_moments() -> None:
+    """FFNI integrates over which unit comes first, too."""
+    problem = Problem(pump, **INPUTS, units=PUMPS)
+    row = FFNIPearson(nodes_shared=16).estimate(problem, Criterion(1.5, tau=1.2))[0]
+    assert row.status == "converged"
+    assert row.reliability == pytest.approx(synchronized(PUMPS, 1.5, 1.2), rel=1e-4)
+
+
 @pytest.mark.parametrize(("bend", "status"), [(0.01, "converged"), (0.3, "doubtful")])
 def test_the_error_of_each_surface_is_one_of_the_system(bend: float, status: str) -> None:
     """One kind whose surface few runs leave open widens the interval, and is doubted by name."""
@@ -313,7 +321,7 @@ def test_what_a_method_cannot_answer_it_says_before_any_run(name: str) -> None:
     problem = Problem(pump, **INPUTS, units=PUMPS)
     by_offset = simulates or name in BY_OFFSET
     assert (build(name).supports(problem, Criterion(1.0)) is None) == by_offset
-    tau = name in SIMULATE | SURFACES
+    tau = name in SIMULATE | SURFACES | {"ffni-pearson"}
     assert (build(name).supports(problem, Criterion(1.0, tau=1.0)) is None) == tau
 
 

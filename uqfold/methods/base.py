@@ -184,9 +184,8 @@ class ReliabilityMethod(ABC):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
 
-        This default goes by `any_structure` and `units_may_differ`; tau needs a series, and units
-        that a method does not simulate one by one must then be equal. A subclass that adds reasons
-        of its own calls it first.
+        This default goes by `any_structure` and `units_may_differ`; tau needs a series. A subclass
+        that adds reasons of its own calls it first.
         """
         checked_problem(problem)
         instance("criterion", criterion, Criterion, "give a Criterion")
@@ -199,8 +198,6 @@ class ReliabilityMethod(ABC):
             return f"{self.name} needs a series structure, not {structure}"
         if criterion.tau is not None and not isinstance(structure, Series):
             return f"tau compares all units of a mission: it needs Series(), not {structure}"
-        if criterion.tau is not None and not kinds.equal and self.units_may_differ != "in all":
-            return f"{self.name} needs exchangeable units under tau"
         return None
 
     @abstractmethod
