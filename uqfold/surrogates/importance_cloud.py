@@ -210,8 +210,10 @@ class GaussianMixture:
         from scipy.special import ndtri
 
         which = np.searchsorted(np.cumsum(self.shares)[:-1], uniforms[:, 0], side="right")
-        normal = ndtri(uniforms[:, 1:])
-        return np.asarray(self.means[which] + np.einsum("nij,nj->ni", self.factors[which], normal))
+        drawn = ndtri(uniforms[:, 1:])
+        for k, (mean, factor) in enumerate(zip(self.means, self.factors, strict=True)):
+            drawn[which == k] = mean + drawn[which == k] @ factor.T
+        return np.asarray(drawn)
 
     def log_density(self, u: FloatArray) -> FloatArray:
         """Logarithm of the density (n,)."""
