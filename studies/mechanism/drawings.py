@@ -62,33 +62,18 @@ def poses(table: pd.DataFrame, times: Sequence[float] = (0.0, 0.2, 0.3, 0.4, 0.4
 
 
 def forces(table: pd.DataFrame) -> Figure:
-    """Draw the normal forces of both joints: first impacts, and the whole motion."""
-    columns = [f"normal_force_{joint}" for joint, *_ in JOINTS]
-    # without contact there is no force: the curve leaves the axis
-    values = table[columns].clip(lower=0.1 * LEAST_FORCE)
-    limits = (LEAST_FORCE, 2.0 * values.max(axis=None))
-    return joint_panels(table["time"], values, "normal force (N)", yscale="log", ylim=limits)
-
-
-def penetrations(table: pd.DataFrame) -> Figure:
-    """Draw the penetrations of both joints: first impacts, and the whole motion."""
-    values = 1e3 * table[[f"penetration_{joint}" for joint, *_ in JOINTS]]
-    figure = joint_panels(table["time"], values, "penetration (mm)\nabove 0 in contact")
-    for axes in figure.axes:
-        axes.axhline(0.0, color="black", linewidth=0.6, zorder=0.5)
-    return figure
-
-
-def joint_panels(time: pd.Series, values: pd.DataFrame, label: str, **settings: Any) -> Figure:
-    """Draw one row of panels per joint, a column of `values` each: impacts, and whole motion."""
+    """Draw the normal forces of both joints, a row each: first impacts, and the whole motion."""
     figure = Figure(figsize=(8.0, 4.6), layout="constrained")
-    grid = figure.subplots(2, 2, sharey=True)
+    grid = figure.subplots(2, 2, sharey=True, sharex="col")
+    time = table["time"]
     stretches = ((FIRST_IMPACTS, "first impacts", 1.0), ((0.0, time.max()), "whole motion", 0.6))
-    for row, column, (_, name, color) in zip(grid, values, JOINTS, strict=True):
+    for row, (joint, name, color) in zip(grid, JOINTS, strict=True):
+        # without contact there is no force: the curve leaves the axis
+        force = table[f"normal_force_{joint}"].clip(lower=0.1 * LEAST_FORCE)
         for axes, (span, words, width) in zip(row, stretches, strict=True):
-            axes.plot(time, values[column], color=color, linewidth=width)
-            axes.set(xlim=span, title=f"{name}: {words}", **settings)
-        row[0].set_ylabel(label)
+            axes.plot(time, force, color=color, linewidth=width)
+            axes.set(xlim=span, yscale="log", title=f"{name}: {words}")
+        row[0].set(ylabel="normal force (N)", ylim=(LEAST_FORCE, None))
     for axes in grid[1]:
         axes.set_xlabel("time (s)")
     return figure

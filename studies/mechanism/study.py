@@ -68,7 +68,6 @@ def page(run: Run) -> "uqfold.report.Page":
         "Circles show where each journal is within its clearance."
     )
     page.figure(drawings.forces(table), "Normal forces in the joints", name="forces")
-    page.figure(drawings.penetrations(table), "Penetrations in the joints", name="penetrations")
     page.figure(
         drawings.journals(table), "Paths of the journals in their bearings", name="journals"
     )

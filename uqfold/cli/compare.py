@@ -184,7 +184,7 @@ def _saved(
     """
     from uqfold.comparison.records import write_records
     from uqfold.evaluation import EngineError, FailedRunError
-    from uqfold.report.figures import figure_paths
+    from uqfold.report.comparison_page import figure_paths
 
     frame = None
     try:
@@ -210,7 +210,7 @@ def _saved(
 def _show(frame: pd.DataFrame, folder: Path, *, figures: bool, quiet: bool) -> None:
     """Print the table, draw the figures, and say what has been written."""
     from uqfold.comparison.records import CSV_NAME, JSON_NAME
-    from uqfold.report.figures import write_figures
+    from uqfold.report.comparison_page import write_figures
     from uqfold.report.table import ComparisonTable
 
     out = stdout_console(quiet=quiet)

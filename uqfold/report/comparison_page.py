@@ -1,13 +1,17 @@
-"""The report on a comparison, as a page."""
+"""The report on a comparison, as a page, and its figures as files."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import uqfold
+from uqfold.checks import path as checked_path
 from uqfold.plots.comparison_figure import comparison
 from uqfold.plots.error_figure import error_against_evaluations
+from uqfold.plots.saving import save
 from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import (
@@ -18,12 +22,7 @@ from uqfold.plots.wording import (
     panel_text,
     reference_resolution,
 )
-from uqfold.report.answers import (
-    NOT_JUDGED,
-    answers_table,
-    remarks,
-    remarks_table,
-)
+from uqfold.report.answers import NOT_JUDGED, answers_table, remarks, remarks_table
 from uqfold.report.methods_section import add_methods, add_reproduction
 from uqfold.report.page.builder import Page
 from uqfold.report.page.markup import literal
@@ -32,15 +31,66 @@ from uqfold.report.summary import add_summary
 if TYPE_CHECKING:
     import pandas as pd
 
+
+class _Figure(NamedTuple):
+    """A figure of every comparison that has a number in the column `needs`."""
+
+    name: str
+    needs: str
+    draw: Callable[[pd.DataFrame], Any]
+    section: str
+    anchor: str
+    title: str
+    caption: str
+
+
+_FIGURES = (
+    _Figure(
+        "comparison", "pf", comparison, "Answers", "curves",
+        "Failure probability, and every method against it",
+        "On top pf over the threshold; below it every method's pf over that of the reference, "
+        "under the threshold that it belongs to. Bars are the intervals that a method states "
+        "itself.",
+    ),
+    _Figure(
+        "error-against-evaluations", "error", error_against_evaluations, "Error against cost",
+        "cost", "Errors of all answers",
+        "Error of Eq. (49), |pf - reference| / reference, against the evaluations of the model. "
+        "Methods of equal cost stand side by side.",
+    ),
+)  # fmt: skip
+_FORMATS = ("png", "svg")
 _LEFT_OUT = "Standard errors of references below a millionth of pf are left out."
-_RATIOS = (
-    "On top pf over the threshold; below it every method's pf over that of the reference, under "
-    "the threshold that it belongs to. Bars are the intervals that a method states itself."
-)
-_COST = (
-    "Error of Eq. (49), |pf - reference| / reference, against the evaluations of the model. "
-    "Methods of equal cost stand side by side."
-)
+
+
+def figure_paths(folder: str | os.PathLike[str]) -> list[Path]:
+    """Return the files that `write_figures` may write."""
+    return [Path(folder) / f"{one.name}.{suffix}" for one in _FIGURES for suffix in _FORMATS]
+
+
+def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write the figures of a comparison as PNG and SVG.
+
+    Parameters
+    ----------
+    frame
+        What `uqfold.compare` returned, or a part of it.
+    folder
+        Where to; made if it is missing.
+
+    Returns
+    -------
+    list[pathlib.Path]
+        The files written. Without any reference there is no figure of errors, and without any
+        answer at a finite threshold no figure at all.
+    """
+    rows, directory = comparison_rows(frame), checked_path("folder", folder)
+    directory.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    for one in _FIGURES:
+        if drawable(rows, one.needs):
+            written += save(one.draw(frame), directory / one.name, _FORMATS)
+    return written
 
 
 def comparison_page(frame: pd.DataFrame) -> Page:
@@ -52,23 +102,26 @@ def comparison_page(frame: pd.DataFrame) -> Page:
         The comparison, with its header in ``attrs``.
     """
     header, rows = frame.attrs[HEADER], comparison_rows(frame)
-    finished = list(dict.fromkeys(row["label"] for row in rows))
-    n = len(finished)
+    n = frame["label"].nunique()
     page = Page(
         f"{header['problem']}: " + (f"{n} methods compared" if n > 1 else "one method"),
-        _lead(header, rows, finished),
+        _lead(header, set(frame["label"])),
         kind="Comparison of reliability methods",
         imprint=f"Made by uqfold {uqfold.__version__} from records of "
         f"{header['date'] or 'unknown date'}. Numbers are the recorded ones; no model was run.",
     )
     add_summary(page, frame)
-    _add_results(page, frame, rows)
+    for one in _FIGURES:
+        if drawable(rows, one.needs):
+            page.section(one.section, name=one.anchor)
+            page.figure(one.draw(frame), one.title, one.caption, name=one.name)
+    _add_answers(page, frame, rows)
     add_methods(page, header, rows)
     add_reproduction(page, header)
     return page
 
 
-def _lead(header: Mapping[str, Any], rows: Sequence[Row], finished: Sequence[str]) -> str:
+def _lead(header: Mapping[str, Any], finished: set[str]) -> str:
     unit = f" ({header['response_unit']})" if header["response_unit"] else ""
     n = len(header["criteria"])
     said = f"Every method was asked for the failure probability under the same {n} criteria"
@@ -83,24 +136,8 @@ def _lead(header: Mapping[str, Any], rows: Sequence[Row], finished: Sequence[str
     return said
 
 
-def _add_results(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
+def _add_answers(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
     unit = frame.attrs[HEADER]["response_unit"]
-    if drawable(rows, "pf"):
-        page.section("Answers", name="curves")
-        page.figure(
-            comparison(frame),
-            "Failure probability, and every method against it",
-            _RATIOS,
-            name="comparison",
-        )
-    if drawable(rows, "error"):
-        page.section("Error against cost", name="cost")
-        page.figure(
-            error_against_evaluations(frame),
-            "Errors of all answers",
-            _COST,
-            name="error-against-evaluations",
-        )
     page.section("All answers", name="all-answers")
     page.table(
         answers_table(frame),
