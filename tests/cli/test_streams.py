@@ -92,7 +92,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_is_spent(
     monkeypatch.setattr("uqfold.validation.runner.Validation.run", spend)
     words = {
         "compare": "compare series --method mc",
-        "validate": f"validate against_scipy --quick --cases {ROOT / 'validation'}",
+        "validate": f"validate against_other_codes --quick --cases {ROOT / 'validation'}",
     }[word]
     said = refused(capsys, f"{words} --out {out}")
     assert message.removeprefix("--out ") in said

@@ -20,7 +20,7 @@ from uqfold.mechanism import (
 )
 from uqfold.mechanism.compiled import fingerprint
 from uqfold.mechanism.deployment import COARSEST_TOLERANCE, FINEST_TOLERANCE, deploy_rows
-from validation.against_scipy.measure import stored_times
+from validation.against_other_codes.measure import stored_times
 from validation.mechanism import independent
 from validation.mechanism.parameter_sets import parameter_sets
 
@@ -110,7 +110,7 @@ def test_halving_the_tolerance_converges():
     ids=["material, soft impacts", "other"],
 )
 def test_agrees_with_an_independent_integration(parameters):
-    """Beside the sets of `against_scipy`, whose times are stored."""
+    """Beside the wings of `against_other_codes`, whose times are stored."""
     # what 1e-6 of the clearance does to the time bounds what agreement can mean
     shifts = parameters.C_r * (1 + 1e-6 * np.arange(-2, 3))
     times = deployment_times(parameters, C_r=shifts, tolerance=1e-12)
@@ -120,7 +120,7 @@ def test_agrees_with_an_independent_integration(parameters):
 
 
 def test_agrees_with_stored_times_of_the_independent_integration():
-    stored, wings = stored_times(), parameter_sets()
+    stored, wings = stored_times("scipy"), parameter_sets()
     names = [f"table {k}{what}" for k in (1, 6, 10) for what in ("", ", material")]
     for name in names:
         time = deployment_times(wings[name], tolerance=1e-12)[0]

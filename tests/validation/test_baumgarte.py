@@ -96,7 +96,7 @@ def test_a_violated_constraint_is_driven_back() -> None:
 def test_locks_when_the_reduced_form_does_whatever_alpha_and_beta(
     wing: WingParameters, alpha: float, beta: float
 ) -> None:
-    """With an early lock; the case `baumgarte_form` does so with that of the paper."""
+    """With an early lock; the case `against_other_codes` has that of the paper."""
     early = wing.replace(x_lock=wing.x_3_initial + 0.01)
     expected = deployment_times(early, tolerance=1e-12)[0]
     multibody = Multibody(early, alpha, beta)

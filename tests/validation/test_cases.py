@@ -17,7 +17,7 @@ CASES = {case.name: case for case in find_cases(FOLDER)}
 QUICK = {
     "example_2_tail",
     "mechanism_energy",
-    "mechanism_limits",
+    "ideal_joints",
     "openturns_form",
 }
 """Cases whose faults take seconds; the others are slow."""

@@ -1,8 +1,11 @@
 import math
+from pathlib import Path
 
 import pytest
 
-from uqfold.validation.findings import Finding, number, verdict_of
+from uqfold.validation.findings import VERDICT_RULE, Finding, number, verdict_of
+
+ROOT = Path(__file__).resolve().parents[2]
 
 KEPT, BROKEN = Finding("a", 1.0, 2.0), Finding("a", 3.0, 2.0)
 QUOTED, UNKNOWN = Finding("a", 3.0), Finding("a", remark="figures only")
@@ -59,3 +62,9 @@ def test_words() -> None:
 
 def test_numbers_for_people() -> None:
     assert [number(x) for x in (3.0, 0.012345, 123456.0, -2.0)] == ["3", "0.0123", "1.23e+05", "-2"]
+
+
+def test_the_rule_of_verdicts_is_written_where_it_is_read() -> None:
+    page = (ROOT / "docs" / "validation.md").read_text("utf-8")
+    assert VERDICT_RULE in " ".join(page.replace("> ", "").split())
+    assert VERDICT_RULE in (ROOT / "validation" / "report.md").read_text("utf-8")

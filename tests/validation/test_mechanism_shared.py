@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.against_exudyn import measure as exudyn
-from validation.against_scipy import measure as scipy
+from validation.against_other_codes.measure import CODES, exudyn_times, stored_times
 from validation.mechanism import independent, parameter_sets
 
 
@@ -25,16 +24,21 @@ def test_parameter_sets_cover_the_tables() -> None:
         np.testing.assert_array_equal(signs.T @ signs, len(corners) * np.eye(len(table)))
 
 
+@pytest.mark.parametrize("name", CODES)
+def test_every_code_has_stored_times_for_its_wings(name: str) -> None:
+    assert [*stored_times(name)] == [*CODES[name].wings]
+
+
 def test_stored_scipy_times_are_those_of_the_integration() -> None:
-    sets, stored = parameter_sets.parameter_sets(), scipy.stored_times()
-    assert stored.keys() == sets.keys()
-    again = independent.deployment_time(sets["table 10"])
-    assert again == pytest.approx(stored["table 10"][0], abs=1e-8)
+    wing = parameter_sets.parameter_sets()["table 10"]
+    again = independent.deployment_time(wing)
+    assert again == pytest.approx(stored_times("scipy")["table 10"][0], abs=1e-8)
 
 
 @pytest.mark.slow
 def test_stored_exudyn_times_are_those_of_exudyn() -> None:
     pytest.importorskip("exudyn")
-    wing, stored = parameter_sets.parameter_sets()["table 10"], exudyn.stored_times()
-    again = exudyn.exudyn_times(wing, [4 * exudyn.STEPS[-1]])[0]
-    assert again == pytest.approx(stored["table 10"][-1], abs=exudyn.AGREEMENT)
+    wing = parameter_sets.parameter_sets()["table 10"]
+    [again] = exudyn_times(wing, (16e-6,))
+    stored = stored_times("exudyn")["table 10"][0]
+    assert again == pytest.approx(stored, abs=CODES["exudyn"].agreement)

@@ -1,6 +1,7 @@
 """Energy along the motion: nothing appears, nothing is lost unnamed, contacts only dissipate.
 
-For every wing of `parameter_sets.py` and both tangential velocities, the work of drive, drag and
+For every wing of `parameter_sets.py`, both tangential velocities, and joints without any loss
+(C_e = 1, no friction), the work of drive, drag and
 gravity is compared with kinetic energy, energy stored in the contacts, and the losses by damping
 and friction, at every time step up to the lock.
 
@@ -28,6 +29,12 @@ RESIDUAL = 1e-6
 """Largest residual of the balance, as a share of the drive's work."""
 SOME = ("table 6", "table 10 corner -+--+-+")
 """Wings of the quick tier."""
+JOINTS: dict[str, dict[str, Any]] = {
+    "geometric": {"tangential_velocity": "geometric"},
+    "material": {"tangential_velocity": "material"},
+    "no losses": {"C_e": 1.0, "C_f": 0.0},
+}
+"""Kind of joints -> what is changed in a wing."""
 
 FAULTS: dict[str | None, Callable[[Trajectory], Trajectory]] = {
     None: lambda m: m,
@@ -59,26 +66,23 @@ def measure(work: Work) -> Measurement:
     wings = parameter_sets()
     names = SOME if work.tier == "quick" else [one for one in wings if "material" not in one]
     rows = pd.DataFrame(
-        {"set": name, "tangential velocity": velocity}
-        | audit(
-            FAULTS[work.fault](
-                trajectory(wings[name].replace(tangential_velocity=velocity), tolerance=TOLERANCE)
-            )
-        )
+        {"set": name, "joints": joints}
+        | audit(FAULTS[work.fault](trajectory(wings[name].replace(**changed), tolerance=TOLERANCE)))
         for name in names
-        for velocity in ("geometric", "material")
+        for joints, changed in JOINTS.items()
     )
     step = rows["smallest loss by friction in a step (J)"]
-    material = step[rows["tangential velocity"] == "material"]
-    losses = rows[["lost by damping (J)", "lost by friction (J)"]].min(axis=1)
-    shares = rows["handed back by friction in all (J)"] / rows["lost by friction (J)"]
-    damping = rows["smallest loss by damping in a step (J)"].min()
+    material = step[rows["joints"] == "material"]
+    lossy = rows[rows["joints"] != "no losses"]
+    losses = lossy[["lost by damping (J)", "lost by friction (J)"]].min(axis=1)
+    shares = lossy["handed back by friction in all (J)"] / lossy["lost by friction (J)"]
+    damping = lossy["smallest loss by damping in a step (J)"].min()
     so_far = rows["smallest loss by friction so far (J)"].min()
     findings = [
         Finding("motions", len(rows)),
         Finding("largest residual over the drive's work", rows["residual (share)"].max(), RESIDUAL),
         Finding("smallest of the two losses over the drive's work",
-                (losses / rows["drive's work (J)"]).min()),
+                (losses / lossy["drive's work (J)"]).min()),
         Finding("smallest loss by damping in a step", damping, 0.0, "J", at_least=True),
         Finding("smallest loss by friction up to any step", so_far, 0.0, "J", at_least=True),
         Finding("smallest loss by friction in a step, `material`", material.min(), 0.0, "J",
