@@ -299,8 +299,9 @@ def measure(work: Work) -> Measurement:
     rows = pd.concat(found.values())
     findings, table = [Finding("seeds", count)], []
     for (problem, name), own in rows.groupby(["problem", "method"], sort=False):
-        for rule in RULES.keys() & settings.keys():
-            findings += RULES[rule](f"{problem}, {name}", own, settings[rule])
+        for rule, judge in RULES.items():
+            if rule in settings:
+                findings += judge(f"{problem}, {name}", own, settings[rule])
         table.append(summary(own))
     points = [errors_drawn(rows)] if settings.get("drawn") else []
     return Measurement(findings, [Table.of("Answers", table)], points)
