@@ -271,8 +271,8 @@ def summary(rows: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def errors_drawn(rows: pd.DataFrame) -> Points:
-    """Return the signed errors over pf: of many some, among them the extreme ones."""
+def errors_drawn(rows: pd.DataFrame, limit: float) -> Points:
+    """Return the signed errors over pf with a limit: of many some, among them the extreme ones."""
     shown = []
     for _, own in rows.sort_values("error", kind="stable").groupby("method", sort=False):
         chosen = np.linspace(0, len(own) - 1, min(len(own), MOST_POINTS)).round().astype(int)
@@ -281,7 +281,8 @@ def errors_drawn(rows: pd.DataFrame) -> Points:
     title = "Relative error of pf, signed, against the reference's pf"
     errors = {"series": drawn["method"], "x": drawn["known"], "y": 100.0 * drawn["error"]}
     table = Table.of(title, pd.DataFrame(errors))
-    return Points(title, "reference pf", "relative error (%)", table, log="x")
+    lines = {"limit": 100.0 * limit, "-limit": -100.0 * limit}
+    return Points(title, "reference pf", "relative error (%)", table, log="x", limits=lines)
 
 
 def measure(work: Work) -> Measurement:
@@ -303,5 +304,5 @@ def measure(work: Work) -> Measurement:
             if rule in settings:
                 findings += judge(f"{problem}, {name}", own, settings[rule])
         table.append(summary(own))
-    points = [errors_drawn(rows)] if settings.get("drawn") else []
+    points = [errors_drawn(rows, settings["drawn"])] if "drawn" in settings else []
     return Measurement(findings, [Table.of("Answers", table)], points)
