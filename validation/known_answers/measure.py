@@ -97,7 +97,7 @@ def method_of(name: str, work: Work) -> ReliabilityMethod:
 
 
 def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
-    """Ask a method about a problem; return one row for each criterion that it answers."""
+    """Ask a method about a problem; return one row for each criterion that it supports."""
     settings, problem = work.settings, problem_of(problem_name)
     low, high = settings["pf"]
     known = [
@@ -119,8 +119,9 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
         rng=seed,
     )
     rows = against(result.to_frame(), known)
+    supported = rows[rows["status"] != "unsupported"]
     # of the method that a remedy takes the place of
-    return planted(rows[rows["pf"].notna()], work.fault).assign(method=name, problem=problem_name)
+    return planted(supported, work.fault).assign(method=name, problem=problem_name)
 
 
 def against(found: pd.DataFrame, known: Sequence[Reference]) -> pd.DataFrame:
@@ -186,8 +187,8 @@ def rms(values: pd.Series) -> float:
 
 
 def firm(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the answers that the method does not doubt itself."""
-    return rows[rows["status"] != "doubtful"]
+    """Return the rows with an answer that the method does not doubt itself."""
+    return rows[rows["pf"].notna() & (rows["status"] != "doubtful")]
 
 
 def beyond(label: str, rows: pd.DataFrame, rule: Mapping[str, float]) -> Iterator[Finding]:
