@@ -79,6 +79,9 @@ def _line(partner: FloatArray, model: FloatArray) -> tuple[float, float, float, 
     x, y = partner[finite], model[finite]
     if x.size == 0:
         return 0.0, 1.0, np.finfo(np.float64).tiny, missed, false
+    # squares of margins beyond 1e154 have no room in a float
+    scale = float(max(np.abs(x).max(), np.abs(y).max())) or 1.0
+    x, y = x / scale, y / scale
     mean_y, slope = float(y.mean()), 0.0
     around_x, around_y = x - x.mean(), y - mean_y
     squares, freedom = float(around_x @ around_x), max(1, x.size - 2)
@@ -90,8 +93,9 @@ def _line(partner: FloatArray, model: FloatArray) -> tuple[float, float, float, 
     if slope**2 * squares < (SIGNIFICANT * spread) ** 2:
         slope, spread = 0.0, math.sqrt(float(around_y @ around_y) / freedom)
     # rounding of the margins is no information
-    least = max(16.0 * np.finfo(np.float64).eps * float(np.abs(y).max()), 1e-300)
-    return mean_y - slope * float(x.mean()), slope, max(spread, least), missed, false
+    spread = max(spread, 16.0 * np.finfo(np.float64).eps)
+    intercept = mean_y - slope * float(x.mean())
+    return scale * intercept, slope, scale * spread, missed, false
 
 
 @dataclass(frozen=True, eq=False)
