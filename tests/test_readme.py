@@ -23,6 +23,7 @@ PAGES = [
     "docs/analysis.md",
     "docs/evaluation.md",
     "docs/mechanism.md",
+    "docs/multifidelity.md",
     "docs/records.md",
     "docs/reports.md",
     "docs/structures.md",

@@ -10,11 +10,11 @@ import pytest
 from scipy.special import ndtr
 from scipy.stats import binom, chi2
 
-from uqfold.evaluation import Evaluator
+from uqfold.evaluation import Evaluator, TimeLimitError
 from uqfold.inputs import normal
 from uqfold.methods import MonteCarlo, MultifidelityMonteCarlo
 from uqfold.methods.base import Task
-from uqfold.methods.partner_design import inclusion
+from uqfold.methods.partner_allocation import inclusion
 from uqfold.methods.partner_sample import Partner
 from uqfold.methods.partner_sums import weighted_count
 from uqfold.methods.result import CriterionResult
@@ -246,6 +246,24 @@ def test_it_stops_at_its_target_and_answers_the_same_when_asked_and_told() -> No
         assert other[0].pf == whole[0].pf
         assert other[0].std_error == whole[0].std_error
         assert other.details.partner_evals == whole.details.partner_evals
+
+
+def test_when_the_time_is_over_the_complete_rounds_answer() -> None:
+    problem, evaluator = pair(total, close), Evaluator()
+    task = Task(problem, (Criterion(FAR),), 1, evaluator.open(problem, 2_000), evaluator)
+    steps = METHOD._steps(task)
+    x = next(steps)
+    for _ in range(3):  # the pilot and two rounds
+        x = steps.send(total(x))
+    with pytest.raises(StopIteration) as ended:
+        steps.throw(TimeLimitError("the time is over"))
+    [answer] = ended.value.value.estimates
+    details = ended.value.value.details
+    assert details.systems < 1_940
+    assert details.partner_systems < 4_000
+    assert answer.status in {"budget_exhausted", "doubtful"}
+    assert answer.message.startswith(f"{details.systems} of 1940 systems; the time is over")
+    assert abs(answer.pf - PLAIN) < 4.0 * answer.std_error
 
 
 def test_chosen_systems_estimate_any_sum_without_bias() -> None:

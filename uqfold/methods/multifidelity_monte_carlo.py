@@ -13,7 +13,7 @@ from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import EvaluationSession, TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
-from uqfold.methods.partner_design import MarginFit, NearestFirst, Plan, parts_of, planned
+from uqfold.methods.partner_allocation import MarginFit, NearestFirst, Plan, parts_of, planned
 from uqfold.methods.partner_sample import Partner, PartnerError
 from uqfold.methods.partner_sums import PartnerSums
 from uqfold.methods.result import TARGET_COV, Estimate
@@ -174,7 +174,7 @@ class MultifidelityMonteCarlo(SequentialMethod):
             short.insert(0, f"{sums.systems} of {wanted} systems")
         target = TARGET_COV if self.target_cov is None else self.target_cov
         answers = [sums.estimate(i, target, short, note) for i in range(len(task.criteria))]
-        used = plan.design is not None
+        used = plan.allocation is not None
         by_partner = sums.by_partner / sums.population
         details = MultifidelityDetails(
             partner_evals=partner.session.n_evals,
@@ -229,7 +229,7 @@ class MultifidelityMonteCarlo(SequentialMethod):
     ) -> Generator[FloatArray, FloatArray, tuple[PartnerSums, str]]:
         """Run the plan round by round; also say why it ended early, if it did."""
         session, sums = task.session, PartnerSums(task)
-        sizes = None if plan.design is None else plan.design.sizes
+        sizes = None if plan.allocation is None else plan.allocation.sizes
         values = plan.systems * max(c.max_missions for c in task.criteria)
         values *= task.problem.n_units * task.problem.kinds.dimension
         rounds = min(ROUNDS, max(1, plan.systems // FEWEST_OF_ROUND))

@@ -99,7 +99,7 @@ def _line(partner: FloatArray, model: FloatArray) -> tuple[float, float, float, 
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Allocation:
     """How often the model is run on a system, by the partner's margins.
 
     Attributes
@@ -145,7 +145,7 @@ class Plan:
         Systems that the model is run on.
     partner_systems
         Systems that the partner is run on, the former among them.
-    design
+    allocation
         Which of these are chosen; None: the partner is of no use.
     gain
         How many times the variance of crude Monte Carlo with as many runs of the model is that of
@@ -154,7 +154,7 @@ class Plan:
 
     systems: int
     partner_systems: int
-    design: Design | None
+    allocation: Allocation | None
     gain: float
 
 
@@ -185,15 +185,15 @@ def planned(
     known = np.maximum(n * pf, n * by_partner) >= RARE
     weights = 1.0 / np.maximum(pf, 10.0 / n) ** 2
     rare = np.maximum(np.array([1.0 - by_partner, by_partner]), 1.0 / n) ** (-1.0 / 3.0)
-    design = Design(fit, weights, rare)
-    scales = [float(part.mean()) for part in design._parts(margins)]
+    allocation = Allocation(fit, weights, rare)
+    scales = [float(part.mean()) for part in allocation._parts(margins)]
     scales[0] = max(scales[0], np.finfo(np.float64).tiny)
     variance = pf * (1.0 - pf)
 
     def errors(even: float, population: int) -> tuple[float, float, float]:
         """Squared relative errors: of the partner's part, of the runs, of what may hide."""
-        design = Design(fit, weights, rare, even, (scales[0], scales[1]))
-        chance = inclusion(design.sizes(margins), n * systems / population)
+        allocation = Allocation(fit, weights, rare, even, (scales[0], scales[1]))
+        chance = inclusion(allocation.sizes(margins), n * systems / population)
         by_runs = np.mean(wrong * (1.0 / chance - 1.0), axis=1) / population
         hidden = np.zeros_like(pf)
         for own in (margins > 0.0, ~(margins > 0.0)):
@@ -210,7 +210,7 @@ def planned(
         partner_systems = int(choices[np.argmin(costs)]) if known.any() else most
     found = {even: errors(even, partner_systems) for even in EVEN_SHARES}
     even = min(found, key=lambda one: sum(found[one][1:]))
-    best = Design(fit, weights, rare, even, (scales[0], scales[1]))
+    best = Allocation(fit, weights, rare, even, (scales[0], scales[1]))
     crude = float(weights[known] @ variance[known]) / systems
     left = sum(found[even][:2])
     gain = crude / left if left > 0.0 else math.nan
