@@ -98,7 +98,11 @@ def test_editing_a_plot_or_a_help_text_makes_no_measurement_stale(
         lambda text: text.replace('"""', '"""What it does, in other words.\n\n', 1),
         lambda text: "# a remark\n\n" + text,
         lambda text: re.sub(r"(?m)^(    def _?\w+\(self.*:)$", r"\1  # a remark", text),
+        lambda text: text.replace('str] = "Kriging"', 'str] = "Kriging, in other words"'),
+        lambda text: text.replace("[Theory] = KRIGING", '[Theory] = Theory(\n"why", "how"\n)'),
     ):
+        kriging = (package / "methods/kriging.py").read_text(encoding="utf-8")
+        assert edit(kriging) != kriging
         assert edited(package, "methods/kriging.py", edit, case, METHOD) == ()
     assert edited(
         package,

@@ -27,6 +27,7 @@ _TEXT_OR_COMMENT = re.compile(
     r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\#[^\n]*"""
 )
 _DATA = ".csv", ".json"
+_PROSE = "title", "theory"
 _LEVELS = 4  # folders above a file outside the package in which its imports are looked for
 
 
@@ -192,6 +193,8 @@ def _parsed_once(path: Path, _mtime: int, _size: int) -> Parsed:
     for node in nodes:
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             left_out += [one for one in node.body if _is_text(one)]
+            if isinstance(node, ast.ClassDef):
+                left_out += [one for one in node.body if _is_prose(one)]
         elif isinstance(node, ast.If) and _chain(node.test)[-1] == "TYPE_CHECKING":
             left_out += node.body
     for statement in tree.body:
@@ -212,6 +215,12 @@ def _is_text(node: ast.stmt) -> bool:
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
     )
+
+
+def _is_prose(node: ast.stmt) -> bool:
+    """Whether a statement of a class says what it is called, or how it is explained."""
+    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
+    return isinstance(target, ast.Name) and target.id in _PROSE
 
 
 def _table(node: ast.stmt) -> dict[str, str]:

@@ -34,6 +34,7 @@ from uqfold.comparison.form import ROWS, encoded
 from uqfold.comparison.header import ATTRIBUTE
 from uqfold.problems.criterion import Binomial, criteria
 from uqfold.provenance import source_digest
+from uqfold.typing import FloatArray
 
 (A_ROW,) = toy_frame(criteria(12.0), {"exact": METHODS["exact"]}).to_dict("records")
 HARD_NUMBERS = {
@@ -217,6 +218,10 @@ def test_the_header_says_what_the_system_was_and_what_the_methods_state(tmp_path
     assert theory["equations"][0]["latex"] == r"p_f = \mathrm{told}"
 
 
+def product(x: FloatArray) -> FloatArray:
+    return x.prod(axis=1)
+
+
 def test_the_header_says_by_what_units_differ() -> None:
     units = [uqfold.Unit(offset=1.5, name="stiff"), uqfold.Unit(), uqfold.Unit(offset=-2.0)]
     problem = uqfold.Problem(
@@ -227,6 +232,22 @@ def test_the_header_says_by_what_units_differ() -> None:
     offsets = header["system"]["offsets"]
     assert offsets == dict(zip(problem.unit_names, [1.5, 0.0, -2.0], strict=True))
     assert offsets["stiff"] == 1.5
+    assert "models" not in header["system"]
+
+
+def test_the_header_says_which_unit_has_which_model_and_inputs() -> None:
+    mine, wide = (lambda x: x.sum(axis=1)), stats.norm(0, 2)
+    units = [uqfold.Unit(mine, individual={"b": wide}, name="wide"), uqfold.Unit(name="usual")]
+    problem = uqfold.Problem(
+        product, shared={"a": stats.norm()}, individual={"b": stats.norm()}, units=units
+    )
+    system = comparison_header(uqfold.compare(problem, ["mc"], criteria(3.0), max_evals=40))[
+        "system"
+    ]
+    assert list(system["models"]) == ["wide", "usual"]
+    assert system["models"]["usual"] == f"{__name__}.product"
+    assert system["models"]["wide"].endswith("which_model_and_inputs.<locals>.<lambda>")
+    assert [one["name"] for one in system["inputs"]] == ["a", "b", "b of wide"]
 
 
 def test_every_column_and_field_is_documented() -> None:

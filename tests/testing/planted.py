@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from uqfold.methods import (
     MonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
+    ReliabilityResult,
     Solution,
     Task,
 )
@@ -95,6 +96,17 @@ class Biased(_FromMonteCarlo):
         return replace(
             estimate, pf=pf, pf_low=pf, pf_high=pf, reliability=1.0 - pf,
             std_error=0.7 * estimate.std_error, ci_low=0.5 * estimate.ci_low,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AlwaysZero(_FromMonteCarlo):
+    """Lets nothing ever fail."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(
+            estimate, pf=0.0, pf_low=0.0, pf_high=0.0, reliability=1.0, std_error=0.0,
+            ci_low=0.0, ci_high=0.0,
         )  # fmt: skip
 
 
@@ -226,6 +238,28 @@ class BypassesTheCounter(_FromMonteCarlo):
     def _task(self, task: Task) -> Task:
         task.problem.model(np.zeros((5, task.problem.inputs.dimension)))
         return task
+
+
+@dataclass(frozen=True)
+class CountsBatches(_FromMonteCarlo):
+    """Reports one evaluation for each call of the model, however many rows it has."""
+
+    def estimate(self, *given: Any, **options: Any) -> ReliabilityResult:
+        found = super().estimate(*given, **options)
+        return replace(found, rows=tuple(replace(row, n_evals=1) for row in found))
+
+
+_LAST: list[ReliabilityResult] = []
+
+
+@dataclass(frozen=True)
+class ReusesTheLastAnswer(_FromMonteCarlo):
+    """Gives what it has once found to every question of as many criteria."""
+
+    def estimate(self, *given: Any, **options: Any) -> ReliabilityResult:
+        if not _LAST or len(_LAST[0]) != len(given[1]):
+            _LAST[:] = [super().estimate(*given, **options)]
+        return _LAST[0]
 
 
 @dataclass(frozen=True)
@@ -393,11 +427,13 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (ConvergedWithoutAnError, "rows_are_well_formed"),
     (ConvergedWithAWideError, "rows_are_well_formed"),
     (BypassesTheCounter, "evaluations_are_counted_per_sample"),
+    (CountsBatches, "evaluations_are_counted_per_sample"),
     (NumberWithoutAnswer, "budget_is_kept"),
     (GlobalRandomness, "same_seed_same_answer"),
     (RemembersRuns, "same_seed_same_answer"),
     (MutableSettings, "same_seed_same_answer"),
     (FixedSeed, "other_seed_other_answer"),
+    (ReusesTheLastAnswer, "other_seed_other_answer"),
     (SurfaceOfOneSeed, "other_seed_other_answer"),
     (SurfaceOfHiddenSeed, "other_seed_other_answer"),
     (HiddenSeedOfTheError, "other_seed_other_answer"),
@@ -411,6 +447,7 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (NaNIsZero, "broken_model_is_a_status"),
     (SwallowsFailedRuns, "policies_for_failed_runs"),
     (Biased, "hard_criterion_spoils_no_other"),
+    (AlwaysZero, "one_unit_is_exact"),
     (Biased, "one_unit_is_exact"),
     (ForgetsMissions, "shared_inputs_correlate_units"),
     (IndependentUnits, "shared_inputs_correlate_units"),

@@ -2,7 +2,13 @@
 
 import pytest
 
-from tests.testing.planted import PLANTED, ExactOnALinearSystem, Honest, OverConfidentSurface
+from tests.testing.planted import (
+    PLANTED,
+    Biased,
+    ExactOnALinearSystem,
+    Honest,
+    OverConfidentSurface,
+)
 from uqfold.methods import ReliabilityMethod
 from uqfold.testing import CHECKS, ContractError, check_method
 
@@ -17,6 +23,17 @@ CASES = [
 def test_planted_fault_is_found(planted: type[ReliabilityMethod], check: str) -> None:
     with pytest.raises(ContractError):
         check_method(planted(), only=[check])
+
+
+def test_all_broken_promises_are_told_at_once() -> None:
+    """A line for each: the check, the criterion, the status; what is kept is not named."""
+    checks = ["one_unit_is_exact", "certain_outcomes", "plain_limit_state"]
+    with pytest.raises(ContractError) as broken:
+        check_method(Biased(), only=checks)
+    first, second = str(broken.value).splitlines()
+    assert first.startswith("one_unit_is_exact: planted, 1 units, Series(), T = 9.5, m = 1: ")
+    assert ": converged with pf = " in first
+    assert second.startswith("plain_limit_state: planted")
 
 
 def test_control_without_a_fault_passes_every_check() -> None:

@@ -65,6 +65,7 @@ class _System(TypedDict):
     structure: str
     inputs: list[_Input]
     dependence: str
+    models: NotRequired[dict[str, str]]
     offsets: NotRequired[dict[str, _Level]]
 
 

@@ -95,9 +95,18 @@ def _system(problem: Problem) -> dict[str, Any]:
         ],
         "dependence": joint.dependence,
     }
+    if kinds.of_units is not None and len(kinds.models) > 1:
+        models = [_named(kinds.models[kind]) for kind in kinds.of_units.tolist()]
+        system["models"] = dict(zip(problem.unit_names, models, strict=True))
     if kinds.offsets is not None and kinds.offsets.any():
         system["offsets"] = dict(zip(problem.unit_names, kinds.offsets.tolist(), strict=True))
     return system
+
+
+def _named(model: Any) -> str:
+    """Name of a model's function, or of its class."""
+    function = getattr(model, "__qualname__", type(model).__qualname__)
+    return f"{getattr(model, '__module__', '')}.{function}"
 
 
 def _modules(problem: Problem, methods: Mapping[str, ReliabilityMethod]) -> Iterator[str]:

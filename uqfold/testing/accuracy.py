@@ -35,7 +35,7 @@ def judge(
     """Compare one row with the exact value: in its own standard errors, or to the tolerance."""
     if row.status in NO_ANSWER:
         return
-    shown = f"{method.name}, {what}: pf = {row.pf:.6g}, exact {exact:.6g}"
+    shown = f"{method.name}, {what}: {row.status} with pf = {row.pf:.6g}, exact {exact:.6g}"
     if row.error_kind == "none":
         error = abs(row.pf - exact) / exact
         demand(error <= settings.tolerance, f"{shown}, relative error {error:.2%}")

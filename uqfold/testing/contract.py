@@ -1,8 +1,8 @@
 """The contract suite: one small function for each promise that a reliability method makes.
 
-`check_method(method)` runs them all on one method. A check raises `ContractError` with the
-promise that was broken. Checks of accuracy use `LinearNormalSystem`, whose answers are exact: a
-method with a sampling error is judged in its own standard errors, one without a stated error
+`check_method(method)` runs them all on one method, and raises one `ContractError` with a line for
+each promise that was broken. Checks of accuracy use `LinearNormalSystem`, whose answers are exact:
+a method with a sampling error is judged in its own standard errors, one without a stated error
 (``error_kind`` "none") to the relative tolerance that the caller names.
 """
 
@@ -63,7 +63,7 @@ def check_method(
     Raises
     ------
     ContractError
-        At the first broken promise.
+        If promises are broken, with a line for each: the check, and what it saw where.
     ValueError
         If a name is not that of a check.
     """
@@ -79,6 +79,12 @@ def check_method(
         max_evals=whole("max_evals", max_evals, at_least=1),
     )
     ran = [name for name in selected if name not in left_out]
+    broken = []
     for name in ran:
-        CHECKS[name](method, settings)
+        try:
+            CHECKS[name](method, settings)
+        except ContractError as error:
+            broken.append(f"{name}: {error}")
+    if broken:
+        raise ContractError("\n".join(broken))
     return ran

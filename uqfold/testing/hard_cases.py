@@ -37,7 +37,8 @@ def _with_model(system: LinearNormalSystem, model: Callable[[FloatArray], FloatA
 
 def _is_or_no_answer(row: CriterionResult, pf: float, slack: float, what: str) -> None:
     if row.status not in NO_ANSWER:
-        demand(abs(row.pf - pf) <= slack, f"{what}: pf = {row.pf}, expected {pf}")
+        right = abs(row.pf - pf) <= slack
+        demand(right, f"{what}: {row.status} with pf = {row.pf}, expected {pf}")
 
 
 def check_certain_outcomes(method: ReliabilityMethod, _: Settings) -> None:
