@@ -22,7 +22,8 @@ GRID = [Criterion(10.5, None, Binomial(4, 0.3)), Criterion(15.0), Criterion(13.0
 
 @pytest.fixture(scope="module")
 def found() -> PfDerivatives:
-    return surface_derivatives(SYSTEM.problem(), GRID, Kriging(runs=40), rng=1)
+    method = Kriging(runs=40, kernel="gaussian", trend="linear")
+    return surface_derivatives(SYSTEM.problem(), GRID, method, rng=1)
 
 
 def errors(found: PfDerivatives, system: LinearNormalSystem) -> np.ndarray:
