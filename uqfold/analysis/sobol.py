@@ -24,6 +24,7 @@ import math
 import time
 import warnings
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -41,6 +42,8 @@ from uqfold.methods.result import ErrorKind
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
+from uqfold.problems.structure import Series
+from uqfold.problems.units import UnitKinds
 from uqfold.surrogates.polynomial_chaos import PolynomialChaosExpansion
 from uqfold.typing import FloatArray
 
@@ -224,9 +227,9 @@ def chaos_sobol(
     warn_of_order(checked_unit(problem).inputs)
     wanted = "give PolynomialChaos(...)"
     chosen = or_none("method", method, instance, PolynomialChaos, wanted) or PolynomialChaos()
-    # which criterion is asked for does not matter: it is the surface that is wanted
+    # it is the surface that is wanted, whatever criterion and however many units are asked for
     fitted = fit_surface(
-        problem, criteria(math.inf), chosen,
+        _one_unit(problem), criteria(math.inf), chosen,
         max_evals=max_evals, rng=rng, evaluator=evaluator,
     )  # fmt: skip
     expansion = fitted.surface
@@ -256,6 +259,18 @@ def chaos_sobol(
         seconds=time.perf_counter() - started,
         seed=fitted.result.seed,
     )
+
+
+def _one_unit(problem: Problem) -> Problem:
+    """Return the same model and inputs as a system of one unit, whose pf takes no time to find."""
+    alone = copy(problem)
+    for name, value in (
+        ("units", 1),
+        ("structure", Series()),
+        ("kinds", UnitKinds((problem.model,), (problem.inputs,), partners=problem.kinds.partners)),
+    ):
+        object.__setattr__(alone, name, value)
+    return alone
 
 
 def checked_samples(samples: int) -> int:
