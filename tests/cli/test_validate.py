@@ -116,6 +116,15 @@ def test_check_measures_nothing(
         assert {fault["verdict"] for fault in record["faults"]} == {"does not hold"}
     assert run("a", "--cases", three, "--check") == 0
     assert "1 case: records, code and claims belong together" in capsys.readouterr().err
+    # the same records, drawn by other code
+    report = three / "report.md"
+    report.write_text(report.read_text(encoding="utf-8") + "An older sentence.\n")
+    assert run("a", "--cases", three, "--check") == 1
+    said = capsys.readouterr().err
+    assert "report.md: the report is not what this code draws from the records, remake it" in said
+    with pytest.raises(SystemExit):
+        main(said.split("remake it: uqfold ")[1].split())
+    assert run("a", "--cases", three, "--check") == 0
 
 
 def test_only_what_is_stale_is_measured(
