@@ -17,7 +17,8 @@ from uqfold.methods import available, build
 from uqfold.methods.result import NO_ANSWER
 from uqfold.provenance import source_digest
 from uqfold.validation import Finding, Measurement, Table, Work
-from validation.no_false_confidence.problems import PROBLEMS, Hard
+from validation.no_false_confidence.hard import Hard
+from validation.no_false_confidence.problems import PROBLEMS
 
 Row = dict[str, Any]
 Question = tuple[str, str, int]
@@ -114,7 +115,7 @@ class Answers:
         kept.parent.mkdir(parents=True, exist_ok=True)
         beginning = [code, *self.known.values()]
         kept.write_text("".join(json.dumps(one) + "\n" for one in beginning))
-        self.pool = ProcessPoolExecutor(len(os.sched_getaffinity(0)))
+        self.pool = ProcessPoolExecutor(os.cpu_count() or 1)
         self.waiting = {
             name: [self.pool.submit(answer, *one) for one in questions]
             for name, questions in asked.items()
