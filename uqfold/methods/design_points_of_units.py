@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from uqfold.methods.design_point import Search
-from uqfold.methods.design_point_check import AGREED, LEAST, found_elsewhere, index_moved
+from uqfold.methods.design_point_check import LEAST, found_elsewhere, index_moved
 from uqfold.methods.result import NORMAL_95, Estimate, Status
 from uqfold.problems.criterion import Missions
 from uqfold.system.linearised_units import Planes, failure_of_planes
@@ -33,6 +33,7 @@ def estimate_of_units(
     n_shared: int,
     units: SystemUnits,
     missions: Missions,
+    target: float,
 ) -> Estimate:
     """Answer one criterion from the searches of all sorts of units.
 
@@ -46,6 +47,8 @@ def estimate_of_units(
         Number of shared inputs.
     units, missions
         The system.
+    target
+        Largest stated error, relative to the smaller probability, of one that is converged.
     """
     status, message = max(verdicts, key=lambda one: _WORSE.index(one[0]))
     if status == "failed":
@@ -73,7 +76,7 @@ def estimate_of_units(
     )
     at_start = np.array([one.start.alpha[:n_shared] for one in searches])
     error += distance(replace(planes, shared=at_start), units)
-    if error > AGREED * small:
+    if error > target * small:
         worst = betas[int(changes.argmax())]
         reason = (
             f"a limit state is not its plane, most at beta = {worst:.4g}: pf = {found.pf:.3g} may "

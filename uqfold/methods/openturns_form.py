@@ -33,7 +33,7 @@ from uqfold.methods.design_point import (
 from uqfold.methods.design_point_check import Surroundings, with_error
 from uqfold.methods.design_point_of_system import places_of_system
 from uqfold.methods.design_points_of_units import estimate_of_units
-from uqfold.methods.result import Estimate
+from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
     Linearisation,
@@ -84,8 +84,8 @@ class OpenTURNSFORM(ReliabilityMethod):
 
     If all this holds, the curvature there, the place of the limit state along the normal, and
     design points that are found from `starts` - 1 other starts tell what FORM leaves out (see
-    `SecondLook`); units that are not in series are looked at where they fail together, too. Up to a
-    tenth of the smaller probability this is the stated error and the status
+    `SecondLook`); units that are not in series are looked at where they fail together, too. Up to
+    `target_cov` of the smaller probability this is the stated error and the status
     ``converged``; beyond, the status is ``doubtful``, and the message states FORM's number and that
     of second order. It is also ``doubtful`` for a point that nearly fits, for signs of several
     design points (FORM sees one), and for one more than 10 standard deviations away; ``unchecked``
@@ -115,6 +115,9 @@ class OpenTURNSFORM(ReliabilityMethod):
         Searches for each threshold. The first start is as above; the others are points as far out,
         on the axes, opposite and elsewhere, where the limit state seems nearer than the plane says:
         none is spent on a linear response. 1: no second look, and no error stated.
+    target_cov
+        Largest stated error, relative to pf or to the reliability, whichever is smaller, of an
+        answer that is ``converged``.
 
     Raises
     ------
@@ -133,6 +136,7 @@ class OpenTURNSFORM(ReliabilityMethod):
     tolerance: float = 0.02
     max_iterations: int = 50
     starts: int = 4
+    target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
         keep(self, "algorithms", several, choice, get_args(Algorithm))
@@ -143,6 +147,7 @@ class OpenTURNSFORM(ReliabilityMethod):
         keep(self, "tolerance", real, above=0.0, below=LOOSE_RESIDUAL)
         keep(self, "max_iterations", whole, at_least=1)
         keep(self, "starts", whole, at_least=1)
+        keep(self, "target_cov", real, above=0.0)
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse tau: the spread over units does not follow from one unit's design point."""
@@ -194,7 +199,9 @@ class OpenTURNSFORM(ReliabilityMethod):
                 for (kind, _), search in zip(keys, own, strict=True)
             ]
             spent = n_start + sum(searches[key].n_evals for key in dict.fromkeys(keys))
-            estimate = estimate_of_units(own, verdicts, kinds.n_shared, units, criterion.missions)
+            estimate = estimate_of_units(
+                own, verdicts, kinds.n_shared, units, criterion.missions, self.target_cov
+            )
             return replace(estimate, n_evals_row=spent)
 
         def answer(criterion: Criterion) -> Estimate:
@@ -233,7 +240,9 @@ class OpenTURNSFORM(ReliabilityMethod):
                 return replace(estimate, status="budget_exhausted", message=message)
             spent = n_start + point.n_evals + session.n_evals - before
             estimate = replace(estimate, n_evals_row=spent)
-            return with_error(estimate, search, search.look, problem, criterion.missions, places)
+            return with_error(
+                estimate, search, search.look, problem, criterion.missions, self.target_cov, places
+            )
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
         return Solution(estimates, FORMDetails(tuple(points.values()), n_start))
