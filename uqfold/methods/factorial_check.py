@@ -18,8 +18,15 @@ from uqfold.evaluation import BudgetExceededError, TimeLimitError
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import fallbacks_that_matter
 from uqfold.methods.factorial_rules import OuterRule, SurfaceMoments
-from uqfold.methods.factorial_runs import MORE, FactorialRuns, TestedSurface, tested_surface
-from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate
+from uqfold.methods.factorial_runs import MORE, FactorialRuns
+from uqfold.methods.factorial_tested import TestedSurface, tested_surface
+from uqfold.methods.factorial_verdict import (
+    OtherAnswers,
+    judged,
+    reliability_of,
+    with_reasons,
+)
+from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.moments.families import FAMILIES, Family
 from uqfold.problems.criterion import Criterion
@@ -31,40 +38,8 @@ from uqfold.typing import BoolArray, FloatArray
 OTHERS = ("saddlepoint", "pearson", "cubic-normal")
 """Families that are compared with one another unless others are named."""
 _LINES = "the design without two nodes more along each shared input"
-_CAUTION = 1.5
-"""Stated error over what the answers differ by; see ``docs/ffni.md`` for what was measured."""
-_LEAST = 5e-3
-"""Smallest stated error, as a share of pf or of its complement."""
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
-_BLURRED = 0.05
-"""Share of tau by which responses may miss the polynomial."""
-
-
-@dataclass(frozen=True, eq=False)
-class OtherAnswers:
-    """How far answers of the same question lie apart.
-
-    Attributes
-    ----------
-    causes
-        What was changed (S,), as the subject of a sentence.
-    amounts
-        What that changed pf, or the reliability, by (S, C); infinite where the method itself found
-        no answer, NaN where another distribution has none.
-    families
-        Whether another distribution could be compared (C,).
-    """
-
-    causes: list[str]
-    amounts: FloatArray
-    families: BoolArray
-
-    def joined_by(self, cause: str, amounts: FloatArray) -> OtherAnswers:
-        """Add one more difference (C,)."""
-        return replace(
-            self, causes=[cause, *self.causes], amounts=np.vstack([amounts, self.amounts])
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +75,13 @@ class FactorialCheck:
         Answers are compared in the smaller one of pf and reliability, which the other, near 1, has
         no digits to tell.
         """
-        works = np.array([_reliability(one) < one.pf for one in estimates])
-        answers = np.array([min(one.pf, _reliability(one)) for one in estimates])
+        works = np.array([reliability_of(one) < one.pf for one in estimates])
+        answers = np.array([min(one.pf, reliability_of(one)) for one in estimates])
         first, more, last = (rule.fitted(self.own.fit) for rule in self.outer)
         misses = self.tested.misses_at(criteria)
-        lower, higher = (_moved(criteria, sign * misses) for sign in (-1.0, 1.0))
+        # a design that leaves interactions out may miss how far units are apart, too
+        apart = len(self.tested.surface.patches) > 1
+        lower, higher = (_moved(criteria, sign * misses, apart) for sign in (-1.0, 1.0))
         # thresholds of one tau share their integration
         three = self._answers(self.outer[1], more, [*criteria, *lower, *higher], np.tile(works, 3))
         own, *moved = three.reshape(3, -1)
@@ -156,11 +133,13 @@ class FactorialCheck:
         return answers
 
 
-def _moved(criteria: Sequence[Criterion], by: FloatArray) -> list[Criterion]:
-    return [
-        replace(one, threshold=one.threshold + step)
-        for one, step in zip(criteria, by.tolist(), strict=True)
-    ]
+def _moved(criteria: Sequence[Criterion], by: FloatArray, apart: bool) -> list[Criterion]:
+    """Move thresholds, and tau where units may be `apart` by as much."""
+    moved = []
+    for one, step in zip(criteria, by.tolist(), strict=True):
+        tau = max(one.tau + step, 0.0) if apart and one.tau is not None else one.tau
+        moved.append(replace(one, threshold=one.threshold + step, tau=tau))
+    return moved
 
 
 def with_verdicts(
@@ -205,12 +184,12 @@ def with_verdicts(
         return _noted(estimates, f"not checked: {error}")
     except ValueError as error:
         return _doubted(estimates, str(error))
-    judged = list(estimates)
+    answers = list(estimates)
     misses = check.tested.misses_at(asked)
     for position, row in enumerate(rows):
         miss = float(misses[position])
-        judged[row] = _judged(estimates[row], asked[position], differences, position, miss, target)
-    return judged
+        answers[row] = judged(estimates[row], asked[position], differences, position, miss, target)
+    return answers
 
 
 def design_with_verdicts(
@@ -244,60 +223,12 @@ def _check(
     return FactorialCheck(SystemUnits.of(task.problem), own, others, (first, more, finest), tested)
 
 
-def _judged(
-    estimate: Estimate,
-    criterion: Criterion,
-    differences: OtherAnswers,
-    row: int,
-    miss: float,
-    target: float,
-) -> Estimate:
-    """Return one answer with its stated error and status."""
-    pf, reliability = estimate.pf, _reliability(estimate)
-    name, smaller = ("reliability", reliability) if reliability < pf else ("pf", pf)
-    amounts = np.nan_to_num(differences.amounts[:, row], nan=0.0, posinf=math.inf)
-    stated = math.hypot(_CAUTION * float(np.sqrt(amounts @ amounts)), _LEAST * smaller)
-    doubts = []
-    if smaller == 0.0:
-        does = "fails" if name == "pf" else "works"
-        doubts.append(f"{name} = 0: no response of the design, nor what is fitted to them, {does}")
-    elif stated > target * smaller:
-        worst = int(amounts.argmax())
-        share = 100.0 * float(amounts[worst]) / smaller
-        by = f"by {share:.2g} %" if math.isfinite(share) else "beyond what the method can answer"
-        doubts.append(f"compared with {differences.causes[worst]}, {name} changes {by}")
-    if not differences.families[row]:
-        doubts.append("no other distribution with these moments to compare with")
-    if criterion.tau is not None and not miss <= _BLURRED * criterion.tau:
-        doubts.append(f"responses miss the polynomial by {miss:.2g}, tau is {criterion.tau:g}")
-    if estimate.status == "doubtful" or doubts:
-        return _with_reasons(replace(estimate, status="doubtful"), doubts)
-    return replace(
-        estimate,
-        std_error=stated,
-        ci_low=max(pf - NORMAL_95 * stated, 0.0),
-        ci_high=min(pf + NORMAL_95 * stated, 1.0),
-        ci_kind="normal 95 %, from rules and distributions compared",
-        error_kind="surrogate",
-        status="converged",
-    )
-
-
-def _reliability(estimate: Estimate) -> float:
-    return 1.0 - estimate.pf if estimate.reliability is None else estimate.reliability
-
-
 def _doubted(estimates: Sequence[Estimate], doubt: str) -> list[Estimate]:
     return [
-        one if one.status in NO_ANSWER else _with_reasons(replace(one, status="doubtful"), [doubt])
+        one if one.status in NO_ANSWER else with_reasons(replace(one, status="doubtful"), [doubt])
         for one in estimates
     ]
 
 
 def _noted(estimates: Sequence[Estimate], note: str) -> list[Estimate]:
-    return [one if one.status in NO_ANSWER else _with_reasons(one, [note]) for one in estimates]
-
-
-def _with_reasons(estimate: Estimate, reasons: Sequence[str]) -> Estimate:
-    said = [estimate.message] if estimate.message else []
-    return replace(estimate, message="; ".join([*said, *reasons]))
+    return [one if one.status in NO_ANSWER else with_reasons(one, [note]) for one in estimates]

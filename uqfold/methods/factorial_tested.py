@@ -1,0 +1,140 @@
+"""Runs beside a design that test the polynomial through its responses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.evaluation import BudgetExceededError
+from uqfold.inputs.gauss import MAX_GAUSS_NODES
+from uqfold.methods.base import Task
+from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
+from uqfold.methods.factorial_runs import FactorialRuns, line_places
+from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.problems.criterion import Criterion
+from uqfold.system.structure import SystemUnits
+from uqfold.typing import FloatArray, IntArray
+
+_LEVELS, _PLACES = 4, 2
+"""Thresholds near which the polynomial is tested, and places for each."""
+_NEAR = 0.25
+"""How near, in standard deviations of the response."""
+
+
+@dataclass(frozen=True, eq=False)
+class TestedSurface:
+    """The polynomial through the responses, corrected, and how far runs are from it.
+
+    Attributes
+    ----------
+    surface
+        The polynomial with its corrections along single inputs.
+    levels
+        Thresholds near which it was tested (L,), increasing.
+    misses
+        Largest distance of a response from it there (L,).
+    miss
+        Largest distance where all inputs are one standard-normal unit low, or high: Gauss nodes of
+        an input over many decades all lie in the highest ones.
+    """
+
+    surface: FactorialSurface
+    levels: FloatArray
+    misses: FloatArray
+    miss: float
+
+    def misses_at(self, criteria: Sequence[Criterion]) -> FloatArray:
+        """Return how far the responses near each threshold may be from the polynomial (C,)."""
+        if not self.levels.size:
+            return np.full(len(criteria), self.miss)
+        thresholds = np.array([one.threshold for one in criteria])
+        near = np.interp(thresholds, self.levels, self.misses)
+        return np.asarray(np.maximum(near, self.miss))
+
+
+def tested_surface(task: Task, runs: FactorialRuns) -> TestedSurface:
+    """Run the model on lines through the middle of a design, and near the thresholds.
+
+    Parameters
+    ----------
+    task
+        Problem, criteria and session.
+    runs
+        The design and its finite responses.
+
+    Raises
+    ------
+    ValueError
+        If an input has no rule with two nodes more, or a response is not finite.
+    BudgetExceededError
+        If the budget does not hold these runs; none is made then.
+    TimeLimitError
+        If the time is over.
+    """
+    inputs, known, plain = task.problem.inputs, runs.known, runs.surface
+    lines = line_places(task, plain, runs.counts, range(inputs.dimension))
+    between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in runs.counts])
+    asked = SystemUnits.of(task.problem).thresholds([one.threshold for one in task.criteria])
+    levels = _levels(asked)
+    needed = known.missing(plain.on_lines(lines)) + _PLACES * levels.size + 2
+    if needed > task.session.remaining:
+        raise BudgetExceededError(
+            f"max_evals = {task.session.max_evals} has no room for the {needed} runs of the check"
+        )
+    task.session.expect(task.session.n_evals + needed)
+    surface = plain.with_lines(lines, known.finite)
+    places, of_level = _places_near(surface, between, levels)
+    likely = np.outer([-1.0, 1.0], np.ones(inputs.dimension))
+    if inputs.independent:
+        likely = inputs.from_standard_normal(likely)
+    every = np.concatenate([likely, places])
+    apart = np.abs(known.finite(every) - surface.at(every))
+    misses = np.zeros(levels.size)
+    np.maximum.at(misses, of_level, apart[2:])
+    tested = np.unique(of_level)
+    return TestedSurface(surface, levels[tested], misses[tested], float(apart[:2].max()))
+
+
+def _levels(thresholds: FloatArray) -> FloatArray:
+    """Return a few thresholds that stand for all finite ones."""
+    every = np.unique(thresholds[np.isfinite(thresholds)])
+    if every.size == 0:
+        return every
+    return np.unique(every[np.linspace(0, every.size - 1, _LEVELS).round().astype(int)])
+
+
+def _places_near(
+    surface: FactorialSurface, rules: Sequence[GaussRule], levels: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Return the likeliest places (n, d) at which the polynomial is near each level.
+
+    They are nodes of a product of rules with one node more than the design; with them comes which
+    level each belongs to (n,).
+    """
+    grid = [places for places, _ in rules]
+    none = np.empty((0, len(grid))), np.empty(0, dtype=int)
+    if math.prod(places.size for places in grid) > MOST_POINTS:
+        return none
+    values = surface.on_grid(grid).ravel()
+    weights = product_of_weights(rules)
+    mean = weights @ values
+    spread = math.sqrt(weights @ (values - mean) ** 2)
+    # rounded, so that rounding does not choose between places that are as likely
+    unlikely = -np.round(np.log(np.maximum(weights, 1e-300)), 6)
+    chosen: list[int] = []
+    of_level: list[int] = []
+    for level, wanted in enumerate(levels):
+        apart = np.abs(values - wanted)
+        reach = max(_NEAR * spread, float(np.partition(apart, 1)[1]))
+        close = np.flatnonzero(apart <= reach)
+        likely = close[np.lexsort((close, unlikely[close]))][:_PLACES]
+        chosen += likely.tolist()
+        of_level += [level] * likely.size
+    if not chosen:
+        return none
+    index = np.unravel_index(chosen, [places.size for places in grid])
+    points = [places[some] for places, some in zip(grid, index, strict=True)]
+    return np.stack(points, axis=1), np.array(of_level)
