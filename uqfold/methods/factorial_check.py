@@ -37,7 +37,7 @@ from uqfold.typing import BoolArray, FloatArray
 
 OTHERS = ("saddlepoint", "pearson", "cubic-normal")
 """Families that are compared with one another unless others are named."""
-_LINES = "the design without two nodes more along each shared input"
+_BESIDE = "the design without two nodes more along each shared input"
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
 
@@ -59,6 +59,8 @@ class FactorialCheck:
         and the finest.
     tested
         The corrected polynomial.
+    whole
+        Whether the design left no interaction out.
     """
 
     units: SystemUnits
@@ -66,6 +68,7 @@ class FactorialCheck:
     others: Sequence[Family]
     outer: tuple[OuterRule, OuterRule, OuterRule]
     tested: TestedSurface
+    whole: bool
 
     def differences(
         self, criteria: Sequence[Criterion], estimates: Sequence[Estimate]
@@ -80,7 +83,7 @@ class FactorialCheck:
         first, more, last = (rule.fitted(self.own.fit) for rule in self.outer)
         misses = self.tested.misses_at(criteria)
         # a design that leaves interactions out may miss how far units are apart, too
-        apart = len(self.tested.surface.patches) > 1
+        apart = not self.whole
         lower, higher = (_moved(criteria, sign * misses, apart) for sign in (-1.0, 1.0))
         # thresholds of one tau share their integration
         three = self._answers(self.outer[1], more, [*criteria, *lower, *higher], np.tile(works, 3))
@@ -179,7 +182,7 @@ def with_verdicts(
         asked = [task.criteria[row] for row in rows]
         differences = check.differences(asked, [estimates[row] for row in rows])
         if change is not None:
-            differences = differences.joined_by(_LINES, change[rows])
+            differences = differences.joined_by(_BESIDE, change[rows])
     except (BudgetExceededError, TimeLimitError) as error:
         return _noted(estimates, f"not checked: {error}")
     except ValueError as error:
@@ -220,7 +223,8 @@ def _check(
     surface = SurfaceMoments(inputs, tested.surface, runs.least, runs.additive, quadratic)
     first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
     others = [family for family in others if family.title != own.title]
-    return FactorialCheck(SystemUnits.of(task.problem), own, others, (first, more, finest), tested)
+    units = SystemUnits.of(task.problem)
+    return FactorialCheck(units, own, others, (first, more, finest), tested, runs.whole)
 
 
 def _doubted(estimates: Sequence[Estimate], doubt: str) -> list[Estimate]:

@@ -102,6 +102,8 @@ class FactorialRuns:
         Whether the polynomial has no interactions of individual inputs.
     least
         Nodes that an individual input has at least in rules over the polynomial.
+    whole
+        Whether the design is one product, which leaves no interaction out.
     """
 
     known: KnownRuns
@@ -110,6 +112,7 @@ class FactorialRuns:
     outer: tuple[int, ...]
     additive: bool = False
     least: tuple[int, ...] = ()
+    whole: bool = True
 
     @classmethod
     def laid_out(
@@ -161,6 +164,7 @@ class FactorialRuns:
             tuple(outer),
             additive=all(sum(n > 1 for n in counts) <= 1 for _, counts in grids),
             least=most if len(grids) == 1 else (3,) * len(most),
+            whole=len(grids) == 1,
         )
 
     @classmethod

@@ -48,7 +48,7 @@ from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
-_PEERS = ("pearson", "cubic-normal", "saddlepoint-quadratic")
+_PEERS = ("pearson", "cubic-normal", "saddlepoint-quadratic", "maximum-entropy")
 """Families that are compared with one another: a few cumulants cut off say too little in tails."""
 _NOT_REFINED = "the rule over the shared inputs is not refined: "
 
@@ -166,7 +166,7 @@ class FFNI(ReliabilityMethod):
         estimates = _answers(task, family, responses, details, doubts)
         if self.check:
             estimates = design_with_verdicts(
-                task, counts, y, family, estimates, self.target_cov, _PEERS
+                task, counts, y, family, estimates, self.target_cov, self._peers
             )
         return Solution(estimates, details)
 
@@ -189,9 +189,14 @@ class FFNI(ReliabilityMethod):
         estimates = _answers(task, family, details.responses, details, [])
         if self.check:
             estimates = with_verdicts(
-                task, runs, family, estimates, self.target_cov, _PEERS, change
+                task, runs, family, estimates, self.target_cov, self._peers, change
             )
         return Solution(estimates, details)
+
+    @property
+    def _peers(self) -> tuple[str, ...]:
+        # what knows fewer cumulants than all of them says little about these
+        return _PEERS[:1] if self._family.moments == 0 else _PEERS
 
     @property
     def _family(self) -> Family:
