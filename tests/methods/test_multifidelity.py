@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import openturns as ot
@@ -227,24 +229,46 @@ def test_infinite_responses_fail_as_the_conventions_say() -> None:
         assert abs(row.pf - (1.0 - works)) < 4.0 * row.std_error
 
 
-def test_it_stops_at_its_target_and_answers_the_same_when_asked_and_told() -> None:
-    """Also with workers, in small batches, from a store, and resumed half-way."""
+def test_it_stops_at_its_target_and_answers_the_same_by_every_way_of_running(
+    tmp_path: Path,
+) -> None:
+    """In small batches, by workers, from a store, asked and told, saved and resumed half-way."""
     method = MultifidelityMonteCarlo(partner_systems=20_000, pilot=40, target_cov=0.05)
-    problem, asked = pair(total, close, units=2), Criterion(1.5)
-    whole = method.estimate(problem, asked, max_evals=20_000, rng=5)
+    asked, budget, seed = Criterion(1.5), 20_000, 5
+    problem = Problem(
+        total, shared={"V": normal(0.0, 1.0)}, individual={"U": normal(0.0, 1.0)}, units=2,
+        low_fidelity=close, version="1",
+    )  # fmt: skip
+    whole = method.estimate(problem, asked, max_evals=budget, rng=seed)
     assert whole.n_evals < 15_000
     assert whole[0].status == "converged"
     assert whole[0].std_error < 0.05 * whole[0].pf
-    batches = method.estimate(
-        problem, asked, max_evals=20_000, rng=5, evaluator=Evaluator(batch_rows=77)
-    )
-    session = method.start(problem, asked, max_evals=20_000, rng=5)
-    while not session.done:
+    results = []
+    with ThreadPoolExecutor(2) as workers:
+        for evaluator in (
+            Evaluator(batch_rows=777),
+            Evaluator(batch_rows=300, executor=workers),
+            Evaluator(store=tmp_path / "runs.db"),
+            Evaluator(store=tmp_path / "runs.db"),
+        ):
+            results.append(
+                method.estimate(problem, asked, max_evals=budget, rng=seed, evaluator=evaluator)
+            )
+    assert results[-1].rows[0].n_reused == whole.n_evals
+    session = method.start(problem, asked, max_evals=budget, rng=seed)
+    for step in range(100):
+        if session.done:
+            break
+        if step == 2:
+            session.save(tmp_path / "session")
+            session = method.resume(tmp_path / "session", problem, asked)
         x = session.ask()
         session.tell(x, total(x))
-    for other in (batches, session.result()):
+    results.append(session.result())
+    for other in results:
         assert other[0].pf == whole[0].pf
         assert other[0].std_error == whole[0].std_error
+        assert other.n_evals == whole.n_evals
         assert other.details.partner_evals == whole.details.partner_evals
 
 
