@@ -87,10 +87,10 @@ def methods_of(settings: Mapping[str, Any]) -> list[str]:
 
 
 def method_of(name: str, work: Work) -> ReliabilityMethod:
-    """Build a method with the settings that the case gives to those of the paper."""
+    """Build a method with the settings that the case gives it."""
     if work.fault == "kriging":
         return available()["kriging"]()
-    options = dict(work.settings.get("ffni", {})) if name.startswith("ffni") else {}
+    options = dict(work.settings.get("options", {}).get(name, {}))
     if work.fault == "two nodes":
         options["nodes_individual"] = 2
     return available()[name](**options)
