@@ -4,7 +4,10 @@ import math
 
 import pytest
 
+from tests.comparison.fakes import toy_frame
+from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
+    answers_of,
     criterion_text,
     percent,
     reference_resolution,
@@ -86,3 +89,11 @@ def test_a_reference_judges_down_to_two_of_its_standard_errors() -> None:
     assert reference_resolution(row) == pytest.approx(0.1)
     assert math.isnan(reference_resolution({**row, "reference_pf": math.nan}))
     assert math.isnan(reference_resolution({**row, "reference_pf": 0.0}))
+
+
+def test_what_is_drawn_carries_no_header_that_each_selection_would_copy() -> None:
+    """Pandas copies ``attrs`` in depth into every column: a third of the time of a report."""
+    frame = toy_frame()
+    header = frame.attrs[HEADER]
+    assert answers_of(frame).attrs == {}
+    assert frame.attrs[HEADER] == header

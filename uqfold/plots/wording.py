@@ -177,6 +177,8 @@ def answers_of(frame: pd.DataFrame) -> pd.DataFrame:
         criterion=[criterion_text(criterion_key(row), unit) for row in rows],
         text=[answer_text(row, unit) for row in rows],
     )
+    # pandas copies how the comparison was made into every column and selection: a third of the time
+    answers.attrs = {}
     numbers = ["pf", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error"]
     values = answers[numbers]
     answers[numbers] = values.where((values >= 0.0) & (values <= LARGEST))
