@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 BATCH_ROWS = 1024
 """Evaluations in this process between two looks at Ctrl-C; has no influence on any number."""
 PIPED_WIDTH = 120
-COMPILING = "compiling the model (on first use only, 10 to 20 s) ..."
+COMPILING = "preparing the model (compiled on first use, 10 to 20 s) ..."
 
 
 def problem_lines() -> list[str]:
