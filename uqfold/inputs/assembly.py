@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from uqfold.checks import names as checked_names
-from uqfold.checks import real, shown
+from uqfold.checks import real, refused, shown
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.engine import openturns
@@ -66,9 +66,10 @@ def joint_inputs(
     Parameters
     ----------
     inputs
-        Joint distribution in any form `as_openturns` takes, with any copula.
+        Joint distribution in any form `as_openturns` takes, with any copula; or the inputs of
+        another problem, taken as they are.
     shared
-        Names of the shared inputs.
+        Names of the shared inputs; of another problem's inputs, those that are shared there.
     names
         Names of the columns of `inputs`; by default those of the distribution.
 
@@ -78,6 +79,11 @@ def joint_inputs(
         If a shared name is not among the inputs, a name occurs twice, or an input or the
         dependence cannot be computed.
     """
+    if isinstance(inputs, JointInputs):
+        own = inputs.names if names is None else checked_names("names", names)
+        if len(own) != inputs.dimension or tuple(shared) not in ((), own[: inputs.n_shared]):
+            raise refused("inputs", inputs, "it says itself how many there are, and what is shared")
+        return replace(inputs, names=own)
     distribution = _distribution("inputs", inputs)
     given = _resolved(names, [_Names.of(inputs, distribution)])
     shared = checked_names("shared", shared)

@@ -54,7 +54,7 @@ class Problem:
         criterion; NaN, a masked entry or an exception is a failed run. A function of one sample
         (d,) is wrapped by `uqfold.evaluation.per_sample`.
     inputs
-        Joint distribution of all inputs (second form).
+        Joint distribution of all inputs (second form), or the ``inputs`` of another problem.
     shared
         First form: distribution of the shared inputs, or None. Second form: their names.
     individual
