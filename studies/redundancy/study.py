@@ -61,7 +61,6 @@ def tables(run: Run) -> None:
     """Answer both systems; put independence beside them; ask which unit of the bridge matters."""
     stress = run.choose(PARALLEL, {"1 of 2": PARALLEL["1 of 2"]})
     wings = {f"{k} of 4": of_wings(k) for k in run.choose((4, 3, 2, 1), ())}
-    run.problems(stress)
     budget = [run.choose(4_000_000, 40_000)]
     run.compare("pce", stress, {"pce": CHAOS}, criteria(0.0))
     run.compare("mc", stress, {"mc": METHODS["mc"]}, criteria(0.0), budget)
@@ -70,8 +69,11 @@ def tables(run: Run) -> None:
     found += [worth(run, "wings", name, one, WING, T) for name, one in wings.items()]
     run.keep("worth", pd.concat(found, ignore_index=True))
     asked = {"criteria": criteria(0.0), "method": CHAOS, "rng": 0}
-    run.keep("bridge", importance_of_units(bridge(), **asked).assign(label="pce"))
-    run.keep("pairs", joint_failures(bridge(), **asked).assign(label="pce"))
+    weighed = importance_of_units(bridge(), **asked)
+    run.keep("bridge", weighed, problem="bridge, " + weighed["unit"], label="pce")
+    pairs = joint_failures(bridge(), **asked)
+    named = "bridge, " + pairs["unit"] + " and " + pairs["other"]
+    run.keep("pairs", pairs, problem=named, label="pce")
 
 
 def worth(
@@ -143,4 +145,4 @@ def over_units(run: Run, found: pd.DataFrame) -> object:
 
 
 if __name__ == "__main__":
-    main(__file__, tables, page, TOLERANCE)
+    main(__file__, PARALLEL, tables, page, TOLERANCE)

@@ -34,6 +34,20 @@ def cdf(inputs: JointInputs, column: int, x: np.ndarray) -> np.ndarray:
     return np.array(values, dtype=np.float64).ravel()
 
 
+def test_inputs_of_another_problem_are_taken_as_they_are() -> None:
+    """Another structure of the same units could not be asked for without writing all anew."""
+    first = product_inputs({"v": normal(5, 1)}, {"a": stats.expon(scale=2.0)})
+    again = joint_inputs(first)
+    assert again.names == first.names
+    assert again.n_shared == 1
+    assert again.parts is first.parts
+    assert joint_inputs(first, names=["x", "y"]).names == ("x", "y")
+    assert joint_inputs(first, ["v"]).n_shared == 1
+    for shared, names in ((["a"], None), ([], ["x"])):
+        with pytest.raises(ValueError, match="it says itself how many"):
+            joint_inputs(first, shared, names)
+
+
 def test_product_of_named_blocks() -> None:
     inputs = product_inputs({"v": normal(5, 1)}, {"a": normal(0, 1), "b": ot.Uniform(1, 2)})
     assert inputs.names == ("v", "a", "b")
