@@ -35,7 +35,7 @@ CHAOS = PolynomialChaos(runs=40)
 METHODS = {"pce": CHAOS, "mc": MonteCarlo(systems=1_000_000)}
 WING = Kriging()
 BRIDGE = CutSets([[0, 1], [3, 4], [0, 2, 4], [1, 2, 3]])
-PARALLEL = {f"1 of {n}": uqfold.problems.stress_strength(n) for n in (1, 2, 3, 4)}
+PROBLEMS = {f"1 of {n}": uqfold.problems.stress_strength(n) for n in (1, 2, 3, 4)}
 
 
 def of_wings(works: int) -> Problem:
@@ -59,7 +59,7 @@ def bridge() -> Problem:
 
 def tables(run: Run) -> None:
     """Answer both systems; put independence beside them; ask which unit of the bridge matters."""
-    stress = run.choose(PARALLEL, {"1 of 2": PARALLEL["1 of 2"]})
+    stress = run.choose(PROBLEMS, {"1 of 2": PROBLEMS["1 of 2"]})
     wings = {f"{k} of 4": of_wings(k) for k in run.choose((4, 3, 2, 1), ())}
     budget = [run.choose(4_000_000, 40_000)]
     run.compare("pce", stress, {"pce": CHAOS}, criteria(0.0))
@@ -145,4 +145,4 @@ def over_units(run: Run, found: pd.DataFrame) -> object:
 
 
 if __name__ == "__main__":
-    main(__file__, PARALLEL, tables, page, TOLERANCE)
+    main(__file__, PROBLEMS, tables, page, TOLERANCE)

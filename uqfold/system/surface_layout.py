@@ -17,6 +17,7 @@ from uqfold.system.conditional import SystemProbability
 from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import Compared
 from uqfold.system.sampled_rule import SAMPLED_STATIONS
+from uqfold.system.shared_nodes import with_shared_nodes
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import Surfaces, SurfaceSystem, of_system, reliability_indices
 from uqfold.system.surface_plan import SurfacePlan, plans_of_kinds, rules_of_kinds
@@ -97,6 +98,10 @@ def laid_out(
     )  # fmt: skip
     if not complete:
         plans = [plan.for_outcomes() for plan in plans]
+    # the same without tau is told at a fraction of the cost
+    some = _some(criteria)
+    if complete and not together and n_shared > 0:
+        plans = with_shared_nodes(plans, each, units, some, asked)
     rules = rules_of_kinds(plans, max_points, asked)
     coarse = tuple(plan.coarse_rule(own) for plan, own in zip(plans, asked, strict=True))
     quadrature = SurfaceSystem(rules, coarse, units, together)
@@ -124,6 +129,13 @@ def surface_failures(
     """Failure probability of units whose response is a surface; see `laid_out`."""
     system = laid_out(surface, dimension, n_shared, units, criteria, max_points)
     return system.failures(surface, criteria)
+
+
+def _some(criteria: Sequence[Criterion]) -> list[Criterion]:
+    """Some of the criteria, without tau, from the smallest to the largest threshold."""
+    ordered = sorted(criteria, key=lambda one: (one.threshold, one.max_missions))
+    picked = np.linspace(0, len(ordered) - 1, min(len(ordered), _CRITERIA_TRIED)).round()
+    return [Criterion(ordered[int(i)].threshold, None, ordered[int(i)].missions) for i in picked]
 
 
 def _thresholds(units: SystemUnits, criteria: Sequence[Criterion], kind: int) -> FloatArray:

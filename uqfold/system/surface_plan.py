@@ -99,8 +99,13 @@ class SurfacePlan:
     def _few_shared(self, most: int = MOST_SHARED) -> list[int]:
         return _cut(self.across[: self.n_shared], _nodes, most)
 
-    def coarse_rule(self, asked: FloatArray | None = None) -> SurfaceRule:
-        """Lay out few points: enough to see how the answer moves when the surface does."""
+    def coarse_rule(
+        self, asked: FloatArray | None = None, nodes: Rule | None = None
+    ) -> SurfaceRule:
+        """Lay out few points: enough to see how the answer moves when the surface does.
+
+        `nodes` (K, d_shared) along the shared directions take the place of few ones.
+        """
         sizes = [_COARSE[min(need.level, len(_COARSE) - 1)] for need in self.across]
         shared, lines = (
             product_rule([gauss_rule(size) for size in part])
@@ -109,8 +114,9 @@ class SurfacePlan:
             for part in (sizes[: self.n_shared], sizes[self.n_shared :])
         )
         return self._laid_out(
-            shared, lines, _COARSE_STATIONS, error=math.inf, short=True, asked=asked
-        )
+            shared if nodes is None else nodes, lines, _COARSE_STATIONS, error=math.inf,
+            short=True, asked=asked,
+        )  # fmt: skip
 
     def _laid_out(
         self,
