@@ -18,7 +18,7 @@ from uqfold.methods import MonteCarlo, MultifidelityMonteCarlo
 from uqfold.methods.base import Task
 from uqfold.methods.partner_allocation import inclusion
 from uqfold.methods.partner_sample import Partner
-from uqfold.methods.partner_sums import weighted_count
+from uqfold.methods.partner_sums import PartnerSums, weighted_count
 from uqfold.methods.result import CriterionResult
 from uqfold.problems import Problem, Unit
 from uqfold.problems.criterion import Binomial, Criterion, criteria
@@ -120,6 +120,20 @@ def test_what_no_run_has_shown_is_in_the_interval_and_a_doubt() -> None:
     assert row.status == "doubtful"
     assert "do not tell whether the partner is wrong elsewhere" in row.message
     assert row.ci_low < exact < row.ci_high
+
+
+def test_an_error_that_rests_on_few_wrong_verdicts_is_doubted() -> None:
+    """By the effective number of those seen; where the partner's part is larger they matter not."""
+    problem = pair(total, close)
+    sums = PartnerSums(Task(problem, (Criterion(FAR),), 1, Evaluator().open(problem, None)))
+    sums.population, sums.systems, sums.by_partner = 100_000, 1_000, np.array([10_000.0])
+    sums.unseen[:, 1], sums.squares[:, 1], sums.total[:, 1] = 900.0, 8_000.0, 910.0
+    assert sums.alike(0) == math.inf
+    sums.squares[:, 1] = 200_000.0
+    assert sums.alike(0) == pytest.approx(4.05)
+    answer = sums.estimate(0, 0.1, [], "")
+    assert answer.status == "doubtful"
+    assert "rests on about 4 systems with a wrong verdict" in answer.message
 
 
 def test_a_useless_partner_costs_the_pilot_and_says_so() -> None:

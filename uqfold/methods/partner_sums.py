@@ -131,6 +131,17 @@ class PartnerSums:
         pf = float(self.pf()[i])
         return (high - low) / (2.0 * NORMAL_95 * pf) if pf > 0.0 else math.inf
 
+    def alike(self, i: int) -> float:
+        """How many wrong verdicts of equal weight scatter like those seen; inf if they matter not.
+
+        Kish's effective size. They matter where most of the variance comes from them.
+        """
+        unseen, squares = (float(one[0, :, i].sum()) for one in (self.unseen, self.squares))
+        by_runs = squares / self.population**2
+        if 2.0 * by_runs <= float(self.std_error()[i]) ** 2:
+            return math.inf
+        return unseen**2 / squares
+
     def estimate(self, i: int, target: float, short: list[str], note: str) -> Estimate:
         """Answer one criterion.
 
@@ -157,6 +168,12 @@ class PartnerSums:
             messages.append(f"about {failures} {kind} among {n} systems")
         if bound or failures < FEW:
             status = "doubtful"
+        elif self.alike(i) < FEW:
+            status = "doubtful"
+            messages.append(
+                f"the error rests on about {self.alike(i):.2g} systems with a wrong verdict of "
+                "the partner"
+            )
         elif self.largest[:, i].any() and self.hidden(i) > max(TARGET_COV, target):
             status = "doubtful"
             messages.append(
