@@ -14,7 +14,7 @@ from uqfold.analysis.fitted_surface import SurfaceMethod
 from uqfold.analysis.units_given_shared import correlation_of_failures, units_given_shared
 from uqfold.checks import refused
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import CriteriaLike
+from uqfold.methods.arguments import CriteriaLike, checked_problem
 from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
 
@@ -46,7 +46,7 @@ def joint_failures(
     """
     import pandas as pd
 
-    if problem.n_units == 1:
+    if checked_problem(problem).n_units == 1:
         raise refused("problem", problem, "it has a single unit, and no pair")
     found = units_given_shared(
         problem, criteria, method, max_evals=max_evals, rng=rng, evaluator=evaluator
