@@ -16,7 +16,7 @@ from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution
 from uqfold.problems.criterion import Criterion
-from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional import SystemProbability, system_failures_of_kinds
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray, IntArray
@@ -32,8 +32,7 @@ _BEYOND_END = 0.05
 
 def system_estimates(
     task: Task,
-    responses: list[ConditionalResponse],
-    details: FFNIDetails,
+    details: Sequence[FFNIDetails],
     doubts: list[str],
     doubts_about: DoubtsAbout,
 ) -> list[Estimate]:
@@ -43,27 +42,32 @@ def system_estimates(
     ----------
     task
         Criteria, units and their structure.
-    responses, details
-        From `conditional_responses`.
+    details
+        From `conditional_responses`, of each kind of units, at the same shared nodes.
     doubts
         Why every answer is ``doubtful``, besides infinite responses.
     doubts_about
         Why single ones are.
     """
     units = SystemUnits.of(task.problem)
-    doubts = [*doubts, *doubts_about_responses(details)]
+    weights = details[0].weights
+    doubts = [*doubts, *(doubt for one in details for doubt in doubts_about_responses(one))]
+    responses = [one.responses for one in details]
     # a failed run may have had any response, and then any distribution belongs to its node
     known = [
-        response if complete else ConditionalResponse(None, p_missing=1.0)
-        for response, complete in zip(responses, details.complete, strict=True)
+        [
+            response if complete else ConditionalResponse(None, p_missing=1.0)
+            for response, complete in zip(own, one.complete, strict=True)
+        ]
+        for own, one in zip(responses, details, strict=True)
     ]
 
     def answers(rows: Sequence[int]) -> list[Estimate]:
         criteria = [task.criteria[row] for row in rows]
-        found = system_failures(responses, details.weights, units, criteria)
+        found = system_failures_of_kinds(responses, weights, units, criteria)
         bounds = found
-        if not details.complete.all():
-            bounds = system_failures(known, details.weights, units, criteria)
+        if not all(one.complete.all() for one in details):
+            bounds = system_failures_of_kinds(known, weights, units, criteria)
         own = doubts_about(criteria, found)
         return [_estimate(*row, doubts=doubts) for row in zip(found, bounds, own, strict=True)]
 
@@ -77,12 +81,14 @@ def fallbacks_that_matter(
     criteria: Sequence[Criterion],
     found: Sequence[SystemProbability],
     replaced: Sequence[bool] = (),
+    kind: int = 0,
 ) -> IntArray:
     """Count the nodes (C,) at which another distribution answers that contribute to pf.
 
-    That is a saddlepoint's fallback, or any distribution at a node (K,) that is `replaced`.
+    That is a saddlepoint's fallback, or any distribution at a node (K,) that is `replaced`; all are
+    those of one kind of units.
     """
-    thresholds = units.thresholds([criterion.threshold for criterion in criteria])
+    thresholds = units.thresholds([criterion.threshold for criterion in criteria], kind)
     missions = np.array([float(criterion.max_missions) for criterion in criteria])
     pf = np.array([one.pf for one in found])
     fallbacks = np.zeros(len(criteria), dtype=int)
@@ -106,10 +112,11 @@ def doubts_about_ends(
     criteria: Sequence[Criterion],
     found: Sequence[SystemProbability],
     details: FFNIDetails,
+    kind: int = 0,
 ) -> list[str]:
     """Return where the threshold lies beyond the end of a bounded Pearson distribution."""
     # the unit that fails last is the first to lie beyond
-    thresholds = units.thresholds([criterion.threshold for criterion in criteria]).max(axis=0)
+    thresholds = units.thresholds([one.threshold for one in criteria], kind).max(axis=0)
     beyond = np.zeros(thresholds.size)
     for weight, distribution in zip(details.weights, details.distributions, strict=True):
         if isinstance(distribution, PearsonDistribution):

@@ -227,6 +227,11 @@ def _check(
     return FactorialCheck(units, own, others, (first, more, finest), tested, runs.whole)
 
 
+def unchecked_kinds(estimates: Sequence[Estimate]) -> list[Estimate]:
+    """Leave the answers of units of several kinds as they are, and say so."""
+    return _noted(estimates, "not checked: units have models or inputs of their own")
+
+
 def _doubted(estimates: Sequence[Estimate], doubt: str) -> list[Estimate]:
     return [
         one if one.status in NO_ANSWER else with_reasons(replace(one, status="doubtful"), [doubt])

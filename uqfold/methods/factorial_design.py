@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -68,6 +68,8 @@ class FFNIDetails:
         The conditional distribution fitted at each node, or None where no response is finite.
     p_never, p_always, p_missing
         Quadrature mass (K,) of +inf responses, of -inf responses and of failed runs at each node.
+    of_other_kinds
+        The same of other kinds of units, in the order in which they occur.
     """
 
     shared_nodes: FloatArray
@@ -77,6 +79,7 @@ class FFNIDetails:
     p_never: FloatArray
     p_always: FloatArray
     p_missing: FloatArray
+    of_other_kinds: tuple[FFNIDetails, ...] = ()
 
     @property
     def infinite(self) -> float:
@@ -216,15 +219,21 @@ def _per_variable(name: str, nodes: Nodes, n_variables: int) -> Sequence[int]:
 
 
 def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> FactorialDesign:
-    """Build the design if the budget allows it.
+    """Build the design of units of one kind if the budget allows it; see `affordable_designs`."""
+    return affordable_designs(task, shared, individual)[0]
+
+
+def affordable_designs(task: Task, shared: Nodes, individual: Nodes) -> list[FactorialDesign]:
+    """Build the design of each kind of units, over the same shared nodes, if the budget allows it.
 
     Raises
     ------
     BudgetExceededError
         If it does not; the message names the settings to change. Nothing is spent then.
     """
-    size = design_size(task.problem.inputs, shared, individual)
-    most = MAX_NUMBERS // task.problem.inputs.dimension
+    kinds = task.problem.kinds
+    size = sum(design_size(inputs, shared, individual) for inputs in kinds.inputs)
+    most = MAX_NUMBERS // kinds.dimension
     if size > min(task.session.remaining, most):
         limit = (
             f"at most {most} fit into memory"
@@ -236,4 +245,22 @@ def affordable_design(task: Task, shared: Nodes, individual: Nodes) -> Factorial
             f"nodes_individual = {individual}, or raise the budget"
         )
     task.session.expect(size)
-    return factorial_design(task.problem.inputs, shared, individual)
+    return [factorial_design(inputs, shared, individual) for inputs in kinds.inputs]
+
+
+def details_of_kinds(
+    task: Task, designs: Sequence[FactorialDesign], fit: Fit
+) -> tuple[list[FFNIDetails], list[FloatArray]]:
+    """Run the designs of all kinds of units, and return what their responses say, and these."""
+    kinds = task.problem.kinds
+    rows = [kinds.rows_of(kind, design.x) for kind, design in enumerate(designs)]
+    found = task.session.evaluate(np.concatenate(rows))
+    y = np.split(found, np.cumsum([len(one) for one in rows])[:-1])
+    pairs = list(zip(designs, y, strict=True))
+    details = task.summed_up(lambda _: [conditional_responses(*one, fit)[1] for one in pairs])
+    return details, y
+
+
+def joined_details(details: Sequence[FFNIDetails]) -> FFNIDetails:
+    """Return those of the first kind, which hold those of the others."""
+    return replace(details[0], of_other_kinds=tuple(details[1:]))

@@ -44,7 +44,6 @@ from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability, system_failures
-from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
@@ -159,11 +158,11 @@ class FFNI(ReliabilityMethod):
     ) -> Solution:
         """Answer with the moments of the design's own rules, as the paper does."""
         family, shared = self._family, task.problem.inputs.n_shared
-        responses, details = task.summed_up(lambda _: conditional_responses(design, y, family.fit))
+        details = task.summed_up(lambda _: conditional_responses(design, y, family.fit)[1])
         if family.moments > 2:
             nodes = tuple(counts[:shared]), tuple(counts[shared:])
             doubts = [*doubts, *doubts_about_nodes(task.problem.inputs, *nodes)]
-        estimates = _answers(task, family, responses, details, doubts)
+        estimates = _answers(task, family, details, doubts)
         if self.check:
             estimates = design_with_verdicts(
                 task, counts, y, family, estimates, self.target_cov, self._peers
@@ -186,7 +185,7 @@ class FFNI(ReliabilityMethod):
         else:
             runs = FactorialRuns.laid_out(known, outer, grids)
         details = task.summed_up(lambda _: _details(runs, family))
-        estimates = _answers(task, family, details.responses, details, [])
+        estimates = _answers(task, family, details, [])
         if self.check:
             estimates = with_verdicts(
                 task, runs, family, estimates, self.target_cov, self._peers, change
@@ -223,7 +222,6 @@ def _details(runs: FactorialRuns, family: Family) -> FFNIDetails:
 def _answers(
     task: Task,
     family: Family,
-    responses: list[ConditionalResponse],
     details: FFNIDetails,
     doubts: Sequence[str],
 ) -> list[Estimate]:
@@ -246,4 +244,4 @@ def _answers(
             for count, end in zip(elsewhere.tolist(), ends, strict=True)
         ]
 
-    return system_estimates(task, responses, details, list(doubts), doubts_about)
+    return system_estimates(task, [details], list(doubts), doubts_about)

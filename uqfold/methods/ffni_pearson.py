@@ -7,21 +7,24 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 from uqfold.checks import choice, flag, keep, or_none, real, whole
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_ends, doubts_about_nodes, system_estimates
-from uqfold.methods.factorial_check import design_with_verdicts
+from uqfold.methods.factorial_check import design_with_verdicts, unchecked_kinds
 from uqfold.methods.factorial_design import (
     Nodes,
-    affordable_design,
+    affordable_designs,
     checked_nodes,
-    conditional_responses,
     counts_per_input,
+    details_of_kinds,
+    joined_details,
 )
 from uqfold.methods.pearson_sampling import sampled_failure
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import PEARSON
 from uqfold.moments.families import FAMILIES
+from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.structure import SystemUnits
@@ -75,7 +78,7 @@ class FFNIPearson(ReliabilityMethod):
     theory: ClassVar[Theory] = PEARSON
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
-    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
@@ -97,28 +100,45 @@ class FFNIPearson(ReliabilityMethod):
         """Whether rows are sampled."""
         return self.rows is not None
 
+    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
+        """Return why not, or None: the reasons of the base, and rows of several kinds of units."""
+        if self.rows is not None and len(problem.kinds.models) > 1:
+            return "units of several kinds are integrated, not sampled: leave out rows="
+        reason = super().supports(problem, criterion)
+        several = len(problem.kinds.models) > 1
+        return reason or (without_own_inputs(problem, criterion) if several else None)
+
     def _solve(self, task: Task) -> Solution:
-        family = FAMILIES[self.family]
-        design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        y = task.session.evaluate(design.x)
-        responses, details = task.summed_up(lambda _: conditional_responses(design, y, family.fit))
+        family, problem = FAMILIES[self.family], task.problem
+        nodes = self.nodes_shared, self.nodes_individual
+        designs = affordable_designs(task, *nodes)
+        details, y = details_of_kinds(task, designs, family.fit)
         doubts = []
         if self.family == "pearson":
-            nodes = self.nodes_shared, self.nodes_individual
-            doubts = doubts_about_nodes(task.problem.inputs, *nodes)
+            doubts = [
+                problem.of_kind(kind) + doubt
+                for kind, inputs in enumerate(problem.kinds.inputs)
+                for doubt in doubts_about_nodes(inputs, *nodes)
+            ]
         if self.rows is not None:
-            sampled = sampled_failure(task, responses, details, self.rows, doubts)
-            return Solution(sampled, details)
+            sampled = sampled_failure(task, details[0].responses, details[0], self.rows, doubts)
+            return Solution(sampled, details[0])
 
-        units = SystemUnits.of(task.problem)
+        units = SystemUnits.of(problem)
 
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            return doubts_about_ends(units, criteria, found, details)
+            every = [
+                doubts_about_ends(units, criteria, found, one, kind)
+                for kind, one in enumerate(details)
+            ]
+            return ["; ".join(filter(None, own)) for own in zip(*every, strict=True)]
 
-        estimates = system_estimates(task, responses, details, doubts, doubts_about)
-        if self.check:
-            counts = counts_per_input(task.problem.inputs, self.nodes_shared, self.nodes_individual)
-            estimates = design_with_verdicts(task, counts, y, family, estimates, self.target_cov)
-        return Solution(estimates, details)
+        estimates = system_estimates(task, details, doubts, doubts_about)
+        if self.check and len(details) > 1:
+            estimates = unchecked_kinds(estimates)
+        elif self.check:
+            counts = counts_per_input(problem.inputs, *nodes)
+            estimates = design_with_verdicts(task, counts, y[0], family, estimates, self.target_cov)
+        return Solution(estimates, joined_details(details))

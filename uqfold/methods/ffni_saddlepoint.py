@@ -6,20 +6,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from uqfold.checks import flag, keep, real
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_nodes,
     fallbacks_that_matter,
     system_estimates,
 )
-from uqfold.methods.factorial_check import design_with_verdicts
+from uqfold.methods.factorial_check import design_with_verdicts, unchecked_kinds
 from uqfold.methods.factorial_design import (
     Nodes,
-    affordable_design,
+    affordable_designs,
     checked_nodes,
-    conditional_responses,
     counts_per_input,
+    details_of_kinds,
+    joined_details,
 )
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
@@ -71,7 +75,7 @@ class FFNISaddlepoint(ReliabilityMethod):
     theory: ClassVar[Theory] = SADDLEPOINT
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
-    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     nodes_shared: Nodes = 3
     nodes_individual: Nodes = 5
@@ -91,37 +95,41 @@ class FFNISaddlepoint(ReliabilityMethod):
                 "the saddlepoint approximation gives no density for a synchronization threshold: "
                 "use ffni-pearson"
             )
-        return super().supports(problem, criterion)
+        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
-        design = affordable_design(task, self.nodes_shared, self.nodes_individual)
-        y = task.session.evaluate(design.x)
-        responses, details = task.summed_up(
-            lambda _: conditional_responses(design, y, FAMILIES["saddlepoint"].fit)
-        )
-
-        units = SystemUnits.of(task.problem)
+        family, problem = FAMILIES["saddlepoint"], task.problem
+        nodes = self.nodes_shared, self.nodes_individual
+        designs = affordable_designs(task, *nodes)
+        details, y = details_of_kinds(task, designs, family.fit)
+        units = SystemUnits.of(problem)
 
         def doubts_about(
             criteria: Sequence[Criterion], found: Sequence[SystemProbability]
         ) -> list[str]:
-            fallbacks = fallbacks_that_matter(
-                details.weights, details.distributions, units, criteria, found
+            fallbacks = sum(
+                fallbacks_that_matter(
+                    one.weights, one.distributions, units, criteria, found, kind=kind
+                )
+                for kind, one in enumerate(details)
             )
             return [
-                f"no admissible saddlepoint at {count} of {len(details.weights)} shared nodes; "
+                f"no admissible saddlepoint at {count} of {len(details[0].weights)} shared nodes; "
                 "the Pearson distribution answers there"
                 if count
                 else ""
-                for count in fallbacks
+                for count in np.asarray(fallbacks).tolist()
             ]
 
-        nodes = self.nodes_shared, self.nodes_individual
-        doubts = doubts_about_nodes(task.problem.inputs, *nodes)
-        estimates = system_estimates(task, responses, details, doubts, doubts_about)
-        if self.check:
-            counts = counts_per_input(task.problem.inputs, *nodes)
-            estimates = design_with_verdicts(
-                task, counts, y, FAMILIES["saddlepoint"], estimates, self.target_cov
-            )
-        return Solution(estimates, details)
+        doubts = [
+            problem.of_kind(kind) + doubt
+            for kind, inputs in enumerate(problem.kinds.inputs)
+            for doubt in doubts_about_nodes(inputs, *nodes)
+        ]
+        estimates = system_estimates(task, details, doubts, doubts_about)
+        if self.check and len(details) > 1:
+            estimates = unchecked_kinds(estimates)
+        elif self.check:
+            counts = counts_per_input(problem.inputs, *nodes)
+            estimates = design_with_verdicts(task, counts, y[0], family, estimates, self.target_cov)
+        return Solution(estimates, joined_details(details))
