@@ -10,6 +10,7 @@ import uqfold
 from uqfold.methods import Kriging, PolynomialChaos, response_surface
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import CriterionResult
+from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.typing import FloatArray
 
 ROOT_TWO = math.sqrt(2.0)
@@ -89,3 +90,12 @@ def test_runs_added_until_a_step_looks_predicted_do_not_make_it_so() -> None:
         response_surface._poor(DesignRuns(np.zeros((n, 1)), np.zeros(n), n)) for n in (50, 100, 300)
     ]
     assert limits == pytest.approx([0.1, 0.1, 0.1 / 3.0])
+
+
+def test_runs_near_the_threshold_that_are_missed_by_half_more_widen_the_error() -> None:
+    """A surface sure of itself on the whole, and missing its outer runs, is believed less there."""
+    y = np.arange(100.0)
+    residuals = np.where(y >= 90.0, 1.5, 0.5) * np.where(y % 2 == 0.0, 1.0, -1.0)
+    validated = LeaveOneOut(residuals, np.ones(100))
+    assert response_surface._overconfidence(validated, y, 110.0) == pytest.approx(1.5)
+    assert response_surface._overconfidence(validated, y, 50.0) == 1.0

@@ -355,27 +355,35 @@ class ActiveKriging(SequentialMethod):
 
 
 def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> list[Rival]:
-    """Fit another surface to the same runs, with the trend of a sparse polynomial expansion.
+    """Fit other surfaces to the same runs: with the trend of a sparse expansion, another kernel.
 
-    What the runs leave open shows where the two disagree, also where the process trusts itself.
+    What the runs leave open shows where these disagree, also where the process trusts itself.
     A rival counts the less, the worse it foretells the runs of the last check.
     """
+    u, y, noise = surface.u, surface.y, surface.noise_std
+    kernel: Kernel = "matern52" if surface.kernel == "gaussian" else "gaussian"
     try:
-        trend = fit_polynomial_chaos(surface.u, surface.y).indices
-        other = fit_gaussian_process(
-            surface.u, surface.y, noise=surface.noise_std, trend=trend, rng=task.generator(2)
-        )
+        trend = fit_polynomial_chaos(u, y).indices
+        others = [
+            fit_gaussian_process(u, y, noise=noise, trend=trend, rng=task.generator(2)),
+            fit_gaussian_process(
+                u, y, noise=noise, trend=surface.trend, kernel=kernel, rng=task.generator(2)
+            ),
+        ]
     except TimeLimitError:
         return []
-    rival = Rival.by_prediction(surface, other)
+    rivals = [Rival.by_prediction(surface, other) for other in others]
     if not checks:
-        return [rival]
+        return rivals
     last = checks[-1]
     seen = np.isfinite(last.residuals)
     answers = surface.mean(last.u[seen]) + last.residuals[seen]
     own = float(np.abs(last.residuals[seen]).mean())
-    others = float(np.abs(answers - other.mean(last.u[seen])).mean())
-    return [replace(rival, share=min(rival.share, own / others if others > own else 1.0))]
+    missed = [float(np.abs(answers - one.mean(last.u[seen])).mean()) for one in rivals]
+    return [
+        replace(one, share=min(one.share, own / much if much > own else 1.0))
+        for one, much in zip(rivals, missed, strict=True)
+    ]
 
 
 def _doubts(criterion: Criterion, surface: GaussianProcess, checks: Sequence[Check]) -> list[str]:

@@ -43,7 +43,7 @@ _POOR_PREDICTION, _FEW_RUNS = 0.1, 100
 _CLEAR = 10.0
 # The runs nearest to a threshold, at least so many and this share of all, and how many times
 # their residuals may exceed what the surface states for them by chance.
-_FEWEST_NEAR, _SHARE_NEAR, _BY_CHANCE = 10, 0.1, 2.0
+_FEWEST_NEAR, _SHARE_NEAR, _BY_CHANCE = 10, 0.1, 1.4
 # Last digit of the responses, in their spread, from which rounding is more than a nuisance.
 _COARSE_DIGITS = 1e-3
 
