@@ -1,6 +1,8 @@
 """What a surface does not describe: it is doubted, and no interval pretends to know it."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ import uqfold
 from uqfold.methods import Kriging, PolynomialChaos, response_surface
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.result import CriterionResult
+from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 ROOT_TWO = math.sqrt(2.0)
@@ -99,3 +103,18 @@ def test_runs_near_the_threshold_that_are_missed_by_half_more_widen_the_error() 
     validated = LeaveOneOut(residuals, np.ones(100))
     assert response_surface._overconfidence(validated, y, 110.0) == pytest.approx(1.5)
     assert response_surface._overconfidence(validated, y, 50.0) == 1.0
+
+
+def test_outer_runs_that_are_missed_to_one_side_count_as_an_error() -> None:
+    """Where a tail is extrapolated, it is wrong by more than scatter says."""
+    y = np.arange(100.0)
+    outer = np.where(y >= 90.0, 0.5, 0.0)
+    scatter = np.where(y % 2 == 0.0, 0.1, -0.1)
+    runs = DesignRuns(np.zeros((100, 1)), y, 100)
+    lean = []
+    for some in (outer + scatter, scatter):
+        validated = LeaveOneOut(some, np.ones(100))
+        surface: Any = SimpleNamespace(leave_one_out=lambda known=validated: known)
+        fitted = [response_surface.FittedKind(surface, runs)]
+        lean.append(response_surface._lean(fitted, Criterion(110.0), SystemUnits(1)))
+    assert lean == pytest.approx([0.5, 0.0])

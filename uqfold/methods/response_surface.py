@@ -44,6 +44,8 @@ _CLEAR = 10.0
 # The runs nearest to a threshold, at least so many and this share of all, and how many times
 # their residuals may exceed what the surface states for them by chance.
 _FEWEST_NEAR, _SHARE_NEAR, _BY_CHANCE = 10, 0.1, 1.4
+# Standard errors from which the mean residual near a threshold leans to one side.
+_ONE_SIDED = 1.5
 # Last digit of the responses, in their spread, from which rounding is more than a nuisance.
 _COARSE_DIGITS = 1e-3
 
@@ -305,7 +307,16 @@ def _answered(
             for criterion in criteria
         ]
         sides = [_step(fitted, criterion, units) for criterion in criteria if stepped]
+        if any(lean := [_lean(fitted, criterion, units) for criterion in criteria]):
+            moved = [
+                replace(one, threshold=one.threshold - by)
+                for one, by in zip(criteria, lean, strict=True)
+            ]
+            leant = reliability_indices(system.failures_given(responses, moved))
+            spread = np.hypot(spread, leant - reliability_indices(found))
         for side in zip(*sides, strict=True):
+            if side == tuple(criteria):
+                continue
             beyond = reliability_indices(system.failures_given(responses, side))
             # the border lies somewhere in the step: two standard deviations reach its end
             spread = np.maximum(spread, 0.5 * np.abs(beyond - reliability_indices(found)))
@@ -388,6 +399,21 @@ def _near(y: FloatArray, threshold: float) -> IntArray:
     """Runs (k,) whose responses are nearest to a threshold."""
     count = max(_FEWEST_NEAR, int(_SHARE_NEAR * y.size))
     return np.argsort(np.abs(y - threshold), kind="stable")[:count]
+
+
+def _lean(fitted: Sequence[FittedKind], criterion: Criterion, units: SystemUnits) -> float:
+    """Mean of what left-out runs near a threshold are missed by, if most to one side; 0 otherwise.
+
+    Beyond the last runs a surface errs to the side to which it misses them.
+    """
+    most = 0.0
+    for kind, one in enumerate(fitted):
+        for threshold in units.thresholds(criterion.threshold, kind).tolist():
+            near = one.validated.residuals[_near(one.known, threshold)]
+            mean, error = float(near.mean()), float(near.std()) / math.sqrt(near.size)
+            if abs(mean) > max(_ONE_SIDED * error, abs(most)):
+                most = mean
+    return most
 
 
 def _step(
