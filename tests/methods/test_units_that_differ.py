@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -195,14 +196,16 @@ def test_a_surface_for_each_kind_of_units(
     ids=lambda one: one.name,
 )
 def test_moments_of_each_kind_at_the_same_shared_nodes(method: ReliabilityMethod) -> None:
-    """FFNI lays out a design for each kind; of several kinds it states no error of its own."""
+    """FFNI lays out a design for each kind, and checks all of them together."""
     problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
     result = method.estimate(problem, CRITERIA)
     for criterion, row in zip(CRITERIA, result, strict=True):
         assert row.pf == pytest.approx(exact([*PUMPS, VALVE], SYSTEM, criterion), rel=1e-6)
-        assert row.status == "unchecked"
-        assert "not checked: units have models or inputs of their own" in row.message
-    assert result.n_evals == 20 * (5 + 25)
+        assert row.status == "converged"
+    assert 20 * (5 + 25) < result.n_evals < 20 * (5 + 25) + 100
+    coarse = replace(method, nodes_shared=3).estimate(problem, Criterion(3.0))[0]
+    assert coarse.status == "doubtful"
+    assert "over the shared inputs, pf changes by" in coarse.message
     tight = method.estimate(problem, CRITERIA, max_evals=599)
     assert {row.status for row in tight} == {"failed"}
     assert tight.n_evals == 0

@@ -27,10 +27,10 @@ from uqfold.methods.factorial_verdict import (
     with_reasons,
 )
 from uqfold.methods.result import NO_ANSWER, Estimate
-from uqfold.moments.conditional import ConditionalDistribution, integrable
+from uqfold.moments.conditional import integrable
 from uqfold.moments.families import FAMILIES, Family
 from uqfold.problems.criterion import Criterion
-from uqfold.system.conditional import system_failures
+from uqfold.system.conditional import system_failures_of_kinds
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import BoolArray, FloatArray
@@ -40,6 +40,26 @@ OTHERS = ("saddlepoint", "pearson", "cubic-normal")
 _BESIDE = "the design without two nodes more along each shared input"
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedKind:
+    """What a check knows of one kind of units.
+
+    Attributes
+    ----------
+    outer
+        The rule of the design over the shared inputs, one with two nodes more for each of them,
+        and the finest.
+    tested
+        The corrected polynomial.
+    whole
+        Whether the design left no interaction out.
+    """
+
+    outer: tuple[OuterRule, OuterRule, OuterRule]
+    tested: TestedSurface
+    whole: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,21 +74,18 @@ class FactorialCheck:
         Distributions of the method.
     others
         Others.
-    outer
-        The rule of the design over the shared inputs, one with two nodes more for each of them,
-        and the finest.
-    tested
-        The corrected polynomial.
-    whole
-        Whether the design left no interaction out.
+    kinds
+        Each kind of units, over the same shared nodes. What is changed is changed for all of them.
     """
 
     units: SystemUnits
     own: Family
     others: Sequence[Family]
-    outer: tuple[OuterRule, OuterRule, OuterRule]
-    tested: TestedSurface
-    whole: bool
+    kinds: Sequence[CheckedKind]
+
+    def misses_at(self, criteria: Sequence[Criterion]) -> FloatArray:
+        """How far responses of any kind near each threshold may be from their polynomial (C,)."""
+        return np.asarray(np.max([one.tested.misses_at(criteria) for one in self.kinds], axis=0))
 
     def differences(
         self, criteria: Sequence[Criterion], estimates: Sequence[Estimate]
@@ -80,20 +97,20 @@ class FactorialCheck:
         """
         works = np.array([reliability_of(one) < one.pf for one in estimates])
         answers = np.array([min(one.pf, reliability_of(one)) for one in estimates])
-        first, more, last = (rule.fitted(self.own.fit) for rule in self.outer)
-        misses = self.tested.misses_at(criteria)
-        # a design that leaves interactions out may miss how far units are apart, too
-        apart = not self.whole
+        misses = self.misses_at(criteria)
+        # units of two kinds, or of a design that leaves interactions out, may be further apart, too
+        apart = len(self.kinds) > 1 or not self.kinds[0].whole
         lower, higher = (_moved(criteria, sign * misses, apart) for sign in (-1.0, 1.0))
         # thresholds of one tau share their integration
-        three = self._answers(self.outer[1], more, [*criteria, *lower, *higher], np.tile(works, 3))
+        every = [*criteria, *lower, *higher]
+        three = self._answers(1, self.own, every, np.tile(works, 3))
         own, *moved = three.reshape(3, -1)
-        inside = self._answers(self.outer[0], first, criteria, works)
-        outside = self._answers(self.outer[2], last, criteria, works)
+        inside = self._answers(0, self.own, criteria, works)
+        outside = self._answers(2, self.own, criteria, works)
         causes = [
             "runs with two nodes more along each input",
             "two nodes more over the shared inputs",
-            f"{self.outer[2].weights.size} nodes over the shared inputs",
+            f"{self.kinds[0].outer[2].weights.size} nodes over the shared inputs",
             "responses near the threshold",
         ]
         amounts = [
@@ -105,34 +122,34 @@ class FactorialCheck:
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)
         for family in self.others:
-            distributions = self.outer[1].fitted(family.fit)
-            other = self._answers(self.outer[1], distributions, criteria, works)
+            other = self._answers(1, family, criteria, works)
             families |= ~np.isnan(other)
             causes.append(family.title)
             amounts.append(np.abs(other - own))
         return OtherAnswers(causes, np.array(amounts), families)
 
     def _answers(
-        self,
-        rule: OuterRule,
-        distributions: Sequence[ConditionalDistribution] | None,
-        criteria: Sequence[Criterion],
-        works: BoolArray,
+        self, finer: int, family: Family, criteria: Sequence[Criterion], works: BoolArray
     ) -> FloatArray:
         """Return pf, or the reliability where `works` (C,); NaN where there is no answer."""
         answers = np.full(len(criteria), np.nan)
-        if distributions is None:
+        rules = [one.outer[finer] for one in self.kinds]
+        fitted = [rule.fitted(family.fit) for rule in rules]
+        known = [one for one in fitted if one is not None]
+        if len(known) < len(fitted):
             return answers
-        dense = all(integrable(one) for one in distributions)
+        dense = all(integrable(one) for own in known for one in own)
         rows = [row for row, one in enumerate(criteria) if dense or one.tau is None]
         asked = [criteria[row] for row in rows]
-        responses = [ConditionalResponse(one) for one in distributions]
-        found = system_failures(responses, rule.weights, self.units, asked)
+        responses = [[ConditionalResponse(one) for one in own] for own in known]
+        weights = rules[0].weights
+        found = system_failures_of_kinds(responses, weights, self.units, asked)
         answers[rows] = np.where(
             works[rows], [one.reliability for one in found], [one.pf for one in found]
         )
-        away = fallbacks_that_matter(rule.weights, distributions, self.units, asked, found)
-        answers[np.array(rows, dtype=int)[away > 0]] = np.nan
+        for kind, own in enumerate(known):
+            away = fallbacks_that_matter(weights, own, self.units, asked, found, kind=kind)
+            answers[np.array(rows, dtype=int)[away > 0]] = np.nan
         return answers
 
 
@@ -147,7 +164,7 @@ def _moved(criteria: Sequence[Criterion], by: FloatArray, apart: bool) -> list[C
 
 def with_verdicts(
     task: Task,
-    runs: FactorialRuns,
+    runs: Sequence[FactorialRuns],
     own: Family,
     estimates: Sequence[Estimate],
     target: float,
@@ -163,7 +180,7 @@ def with_verdicts(
     task
         Problem, criteria and session.
     runs
-        The design and its finite responses.
+        The design and its finite responses, of each kind of units.
     own
         Distributions of the method.
     estimates
@@ -188,7 +205,7 @@ def with_verdicts(
     except ValueError as error:
         return _doubted(estimates, str(error))
     answers = list(estimates)
-    misses = check.tested.misses_at(asked)
+    misses = check.misses_at(asked)
     for position, row in enumerate(rows):
         miss = float(misses[position])
         answers[row] = judged(estimates[row], asked[position], differences, position, miss, target)
@@ -197,39 +214,42 @@ def with_verdicts(
 
 def design_with_verdicts(
     task: Task,
-    counts: Sequence[int],
-    y: FloatArray,
+    counts: Sequence[Sequence[int]],
+    y: Sequence[FloatArray],
     own: Family,
     estimates: Sequence[Estimate],
     target: float,
     others: Sequence[str] = OTHERS,
 ) -> list[Estimate]:
-    """Check answers from the responses `y` of one product of `counts` nodes; see with_verdicts."""
-    if not np.isfinite(y).all():
+    """Check answers from the responses `y` of products of `counts` nodes; see with_verdicts.
+
+    Both are those of each kind of units.
+    """
+    if not all(np.isfinite(own).all() for own in y):
         return _doubted(estimates, "responses that are not finite cannot be checked")
-    runs = FactorialRuns.of_product(task, counts, y)
+    runs = [
+        FactorialRuns.of_product(task, *own, kind)
+        for kind, own in enumerate(zip(counts, y, strict=True))
+    ]
     return with_verdicts(task, runs, own, estimates, target, others)
 
 
 def _check(
-    task: Task, runs: FactorialRuns, own: Family, others: Sequence[Family]
+    task: Task, runs: Sequence[FactorialRuns], own: Family, others: Sequence[Family]
 ) -> FactorialCheck:
-    inputs = task.problem.inputs
-    tested = tested_surface(task, runs)
-    outer = [[n + more for n in runs.outer] for more in (0, MORE, _FINER)]
-    while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
-        outer[2] = [n - 1 for n in outer[2]]
     quadratic = any(family.moments == 0 for family in (own, *others))
-    surface = SurfaceMoments(inputs, tested.surface, runs.least, runs.additive, quadratic)
-    first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
+    kinds = []
+    for one in runs:
+        tested = tested_surface(one.known.task, one)
+        outer = [[n + more for n in one.outer] for more in (0, MORE, _FINER)]
+        while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
+            outer[2] = [n - 1 for n in outer[2]]
+        inputs = one.known.task.problem.inputs
+        surface = SurfaceMoments(inputs, tested.surface, one.least, one.additive, quadratic)
+        first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
+        kinds.append(CheckedKind((first, more, finest), tested, one.whole))
     others = [family for family in others if family.title != own.title]
-    units = SystemUnits.of(task.problem)
-    return FactorialCheck(units, own, others, (first, more, finest), tested, runs.whole)
-
-
-def unchecked_kinds(estimates: Sequence[Estimate]) -> list[Estimate]:
-    """Leave the answers of units of several kinds as they are, and say so."""
-    return _noted(estimates, "not checked: units have models or inputs of their own")
+    return FactorialCheck(SystemUnits.of(task.problem), own, others, kinds)
 
 
 def _doubted(estimates: Sequence[Estimate], doubt: str) -> list[Estimate]:

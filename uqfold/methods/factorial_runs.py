@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cache
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -31,9 +31,12 @@ class KnownRuns:
     ----------
     task
         Problem and session.
+    row_of
+        Makes rows for the session of inputs (n, d).
     """
 
     task: Task
+    row_of: Callable[[FloatArray], FloatArray] = np.asarray
     _known: dict[bytes, float] = field(default_factory=dict)
 
     def missing(self, points: FloatArray) -> int:
@@ -56,7 +59,7 @@ class KnownRuns:
         if new:
             inputs, places = self.task.problem.inputs, points[list(new.values())]
             x = places if inputs.independent else inputs.from_standard_normal(places)
-            found = self.task.session.evaluate(x)
+            found = self.task.session.evaluate(self.row_of(x))
             self._known.update(zip(new, found.tolist(), strict=True))
         return np.array([self._known[key] for key in keys])
 
@@ -168,10 +171,14 @@ class FactorialRuns:
         )
 
     @classmethod
-    def of_product(cls, task: Task, counts: Sequence[int], y: FloatArray) -> FactorialRuns:
-        """Take over the finite responses of one product of nodes."""
+    def of_product(
+        cls, task: Task, counts: Sequence[int], y: FloatArray, kind: int = 0
+    ) -> FactorialRuns:
+        """Take over the finite responses of one product of nodes, of one kind of units."""
+        row_of = partial(task.problem.kinds.rows_of, kind)
+        task = replace(task, problem=task.problem.units_of_kind(kind))
         rules = rules_of(task.problem.inputs, counts)
-        known = KnownRuns(task)
+        known = KnownRuns(task, row_of)
         known.add(tensor_grid(rules)[0], y)
         nodes = tuple(places for places, _ in rules)
         surface = FactorialSurface.of_product(nodes, y.reshape(tuple(counts)))

@@ -165,7 +165,7 @@ class FFNI(ReliabilityMethod):
         estimates = _answers(task, family, details, doubts)
         if self.check:
             estimates = design_with_verdicts(
-                task, counts, y, family, estimates, self.target_cov, self._peers
+                task, [counts], [y], family, estimates, self.target_cov, self._peers
             )
         return Solution(estimates, details)
 
@@ -188,7 +188,7 @@ class FFNI(ReliabilityMethod):
         estimates = _answers(task, family, details, [])
         if self.check:
             estimates = with_verdicts(
-                task, runs, family, estimates, self.target_cov, self._peers, change
+                task, [runs], family, estimates, self.target_cov, self._peers, change
             )
         return Solution(estimates, details)
 

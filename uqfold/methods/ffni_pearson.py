@@ -10,7 +10,7 @@ from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_ends, doubts_about_nodes, system_estimates
-from uqfold.methods.factorial_check import design_with_verdicts, unchecked_kinds
+from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
     Nodes,
     affordable_designs,
@@ -136,9 +136,7 @@ class FFNIPearson(ReliabilityMethod):
             return ["; ".join(filter(None, own)) for own in zip(*every, strict=True)]
 
         estimates = system_estimates(task, details, doubts, doubts_about)
-        if self.check and len(details) > 1:
-            estimates = unchecked_kinds(estimates)
-        elif self.check:
-            counts = counts_per_input(problem.inputs, *nodes)
-            estimates = design_with_verdicts(task, counts, y[0], family, estimates, self.target_cov)
+        if self.check:
+            counts = [counts_per_input(inputs, *nodes) for inputs in problem.kinds.inputs]
+            estimates = design_with_verdicts(task, counts, y, family, estimates, self.target_cov)
         return Solution(estimates, joined_details(details))

@@ -16,7 +16,7 @@ from uqfold.methods.factorial_answers import (
     fallbacks_that_matter,
     system_estimates,
 )
-from uqfold.methods.factorial_check import design_with_verdicts, unchecked_kinds
+from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
     Nodes,
     affordable_designs,
@@ -127,9 +127,7 @@ class FFNISaddlepoint(ReliabilityMethod):
             for doubt in doubts_about_nodes(inputs, *nodes)
         ]
         estimates = system_estimates(task, details, doubts, doubts_about)
-        if self.check and len(details) > 1:
-            estimates = unchecked_kinds(estimates)
-        elif self.check:
-            counts = counts_per_input(problem.inputs, *nodes)
-            estimates = design_with_verdicts(task, counts, y[0], family, estimates, self.target_cov)
+        if self.check:
+            counts = [counts_per_input(inputs, *nodes) for inputs in problem.kinds.inputs]
+            estimates = design_with_verdicts(task, counts, y, family, estimates, self.target_cov)
         return Solution(estimates, joined_details(details))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -252,6 +252,34 @@ class Problem:
         names = [self.unit_names[i] for i in np.flatnonzero(self.kinds.of_units == kind)]
         more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         return f"{names[0]}{more}: "
+
+    def units_of_kind(self, kind: int) -> Problem:
+        """Return the problem of the units of one kind alone, in series."""
+        kinds = self.kinds
+        if len(kinds.models) == 1:
+            return self
+        assert not isinstance(self.units, int)
+        assert kinds.of_units is not None
+        assert kinds.offsets is not None
+        own = kinds.of_units == kind
+        alone = copy(self)
+        fields = {
+            "model": kinds.models[kind],
+            "inputs": kinds.inputs[kind],
+            "units": tuple(unit for unit, one in zip(self.units, own, strict=True) if one),
+            "structure": Series(),
+            "kinds": replace(
+                kinds,
+                models=kinds.models[kind : kind + 1],
+                inputs=kinds.inputs[kind : kind + 1],
+                partners=kinds.partners[kind : kind + 1],
+                of_units=np.zeros(int(own.sum()), dtype=np.int64),
+                offsets=kinds.offsets[own],
+            ),
+        }
+        for key, value in fields.items():
+            object.__setattr__(alone, key, value)
+        return alone
 
     @property
     def exchangeable(self) -> bool:

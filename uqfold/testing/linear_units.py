@@ -1,6 +1,6 @@
 """Three linear units in any structure: equal, with offsets, or of two kinds; pf is known.
 
-Unit i answers t_i = 3 V / 10 + s_i U_i + o_i with standard normal V (shared) and U_i (individual).
+Unit i answers t_i = V / 2 + s_i U_i + o_i with standard normal V (shared) and U_i (individual).
 Given V the responses are normal and independent, so that pf is one smooth integral over V of a sum
 over all states of the units.
 """
@@ -75,7 +75,7 @@ class LinearUnits:
 
         v, weights = normal_rule(np.empty(0))
         own = zip(STDS[self.differing], OFFSETS[self.differing], strict=True)
-        scores = np.stack([(threshold - offset - 0.3 * v) / std for std, offset in own])
+        scores = np.stack([(threshold - offset - 0.5 * v) / std for std, offset in own])
         late, in_time = ndtr(-scores), ndtr(scores)
         one = np.zeros(v.shape)
         for works in product((False, True), repeat=3):
@@ -86,6 +86,6 @@ class LinearUnits:
 
 def _response(std: float) -> Callable[[FloatArray], FloatArray]:
     def response(x: FloatArray) -> FloatArray:
-        return np.asarray(0.3 * x[:, 0] + std * x[:, 1])
+        return np.asarray(0.5 * x[:, 0] + std * x[:, 1])
 
     return response
