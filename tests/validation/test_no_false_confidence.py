@@ -4,7 +4,7 @@ import json
 import runpy
 from pathlib import Path
 
-from validation.no_false_confidence.measure import QUICK, Answers
+from validation.no_false_confidence.measure import QUICK, KeptAnswers
 from validation.no_false_confidence.problems import PROBLEMS
 
 ROOT = Path(__file__).parents[2]
@@ -35,9 +35,9 @@ def test_an_interrupted_run_goes_on_where_it_ended(tmp_path: Path) -> None:
     row = {"problem": "p", "method": "m", "seed": 0, "pf": 0.1, "std_error": float("nan")}
     begun = "".join(json.dumps(one) + "\n" for one in (code, [row]))
     kept.write_text(begun + json.dumps([dict(row, problem="q")])[:-9])
-    with Answers({"p": [("p", "no such method", 0)]}, kept, code) as answers:
+    with KeptAnswers({"p": [("p", "no such method", 0)]}, kept, code) as answers:
         assert answers.to("p")["pf"].tolist() == [0.1]
         assert "q" not in answers.known
     assert kept.read_text() == begun
-    with Answers({}, kept, {"a": "2"}) as answers:
+    with KeptAnswers({}, kept, {"a": "2"}) as answers:
         assert answers.known == {}

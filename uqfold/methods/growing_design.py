@@ -124,7 +124,9 @@ def grown(
     while True:
         for kind, one in enumerate(runs):
             if not one.fittable:
-                return one.without_surface(task, task.problem.of_kind(kind))
+                return one.without_surface(
+                    task, task.problem.kinds.said(kind, task.problem.unit_names)
+                )
         solution, shortfall = answered(runs)
         spent = sum(one.y.size for one in runs)
         more = growth.next_size(spent, shortfall)

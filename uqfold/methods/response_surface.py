@@ -251,7 +251,7 @@ def _answered(
                 f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
                 f"{one.validated.rms:.2g}, {one.validated.ratio:.2g} times what the surface states"
             )
-        doubts += [problem.of_kind(kind) + doubt for doubt in own]
+        doubts += [problem.kinds.said(kind, problem.unit_names) + doubt for doubt in own]
     system = laid_out(
         means, dimensions, problem.kinds.n_shared, units, task.criteria, max_points,
         complete=complete, trusted=not doubts,

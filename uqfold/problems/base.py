@@ -245,14 +245,6 @@ class Problem:
         own = ("",) * self.units if isinstance(self.units, int) else [u.name for u in self.units]
         return tuple(name or f"u{i}" for i, name in enumerate(own))
 
-    def of_kind(self, kind: int) -> str:
-        """Return which units are of a kind, as the beginning of a message; "" if all are."""
-        if self.kinds.of_units is None or len(self.kinds.models) == 1:
-            return ""
-        names = [self.unit_names[i] for i in np.flatnonzero(self.kinds.of_units == kind)]
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        return f"{names[0]}{more}: "
-
     def units_of_kind(self, kind: int) -> Problem:
         """Return the problem of the units of one kind alone, in series."""
         kinds = self.kinds

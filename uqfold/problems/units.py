@@ -126,6 +126,14 @@ class UnitKinds:
         offsets = np.array([u.offset for u in units])
         return cls(models, all_inputs, np.array(of_units), offsets, partners)
 
+    def said(self, kind: int, names: Sequence[str]) -> str:
+        """Return which units are of a kind, as the beginning of a message; "" if all are."""
+        if self.of_units is None or len(self.models) == 1:
+            return ""
+        own = [names[i] for i in np.flatnonzero(self.of_units == kind)]
+        more = f" and {len(own) - 1} more" if len(own) > 1 else ""
+        return f"{own[0]}{more}: "
+
     @property
     def equal(self) -> bool:
         """Whether all units are alike."""

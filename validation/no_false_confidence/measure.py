@@ -88,7 +88,7 @@ def questions(hard: Hard, seeds: range, *, quick: bool) -> list[Question]:
     return asked
 
 
-class Answers:
+class KeptAnswers:
     """Answers to all questions, from as many processes as there are processors.
 
     Those to each problem are kept in a file as soon as they are there: a run that was interrupted
@@ -122,7 +122,7 @@ class Answers:
             if name not in self.known
         }
 
-    def __enter__(self) -> Answers:
+    def __enter__(self) -> KeptAnswers:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -177,7 +177,7 @@ def measure(work: Work) -> Measurement:
     wanted = {hard.name: questions(hard, seeds, quick=not full) for hard in asked}
     if full:
         code = source_digest(*sorted(Path(__file__).parent.glob("*.py")))
-        with Answers(wanted, UNFINISHED, code) as answers:
+        with KeptAnswers(wanted, UNFINISHED, code) as answers:
             found = work.parts({name: partial(answers.to, name) for name in wanted})
     else:
         found = work.parts({name: partial(_answered, one) for name, one in wanted.items()})
