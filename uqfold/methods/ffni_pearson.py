@@ -116,7 +116,7 @@ class FFNIPearson(ReliabilityMethod):
         doubts = []
         if self.family == "pearson":
             doubts = [
-                problem.of_kind(kind) + doubt
+                problem.kinds.said(kind, problem.unit_names) + doubt
                 for kind, inputs in enumerate(problem.kinds.inputs)
                 for doubt in doubts_about_nodes(inputs, *nodes)
             ]

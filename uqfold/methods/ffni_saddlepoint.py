@@ -122,7 +122,7 @@ class FFNISaddlepoint(ReliabilityMethod):
             ]
 
         doubts = [
-            problem.of_kind(kind) + doubt
+            problem.kinds.said(kind, problem.unit_names) + doubt
             for kind, inputs in enumerate(problem.kinds.inputs)
             for doubt in doubts_about_nodes(inputs, *nodes)
         ]

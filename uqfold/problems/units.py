@@ -130,7 +130,7 @@ class UnitKinds:
         """Return which units are of a kind, as the beginning of a message; "" if all are."""
         if self.of_units is None or len(self.models) == 1:
             return ""
-        own = [names[i] for i in np.flatnonzero(self.of_units == kind)]
+        own = [names[i] for i in np.flatnonzero(self.of_units == kind).tolist()]
         more = f" and {len(own) - 1} more" if len(own) > 1 else ""
         return f"{own[0]}{more}: "
 
