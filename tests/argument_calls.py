@@ -164,7 +164,6 @@ WITHOUT_ARGUMENT_CHECKS = {
     "analysis.Design", "analysis.InputParameter", "analysis.PfDerivative", "analysis.PfDerivatives",
     "analysis.PairedDifference", "analysis.PairedDifferences", "analysis.Scan",
     "analysis.SobolIndex", "analysis.SobolIndices", "analysis.Verification",
-    "Problem.of_kind", "evaluation.EvaluationSession",
     "evaluation.RunningEstimate", "inputs.JointInputs",
     "mechanism.Trajectory", "methods.CriterionResult",
     "methods.Task", "ReliabilityResult", "validation.CaseRecord", "validation.Work",
