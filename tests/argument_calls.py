@@ -717,7 +717,7 @@ def calls(folder: Path) -> dict[str, Call]:
             {
                 "systems": optional(count()),
                 "partner_systems": optional(count()),
-                "cost_ratio": number(),
+                "cost_ratio": number(5.0),
                 "pilot": count(10),
                 "target_cov": optional(number()),
             },
@@ -772,6 +772,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "kernel": choice("best"),
                 "noise": optional(number().also("zero")),
                 "spread": number(1.5),
+                "warp": flag(),
             },
         ),
         "methods.MonteCarlo": Call(
@@ -785,6 +786,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "tolerance": Kind(0.01, np.float64(0.01)),
                 "max_iterations": count(),
                 "starts": count(),
+                "target_cov": number(),
             },
         ),
         "methods.OpenTURNSMonteCarlo": Call(
@@ -803,6 +805,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "nodes_shared": nodes,
                 "nodes_individual": nodes,
                 "spread": number(1.5),
+                "warp": flag(),
             },
         ),
         "methods.SequentialMethod.start": Call(methods.Kriging(runs=6).start, {**of, **run}),

@@ -113,6 +113,7 @@ def draw_rows(
         Series whose name ends so have hollow marks.
     """
     names = list(frame["row"].unique())
+    axes.set_yscale("linear")
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
