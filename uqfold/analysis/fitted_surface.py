@@ -96,19 +96,42 @@ def fit_surface(
     rng: RandomSource = None,
     evaluator: Evaluator | None = None,
 ) -> FittedSurface:
-    """Run a method and take its surface.
-
-    Parameters as in `ReliabilityMethod.estimate`. Responses are not transformed (`warp`): what is
-    asked of the surface is asked of the responses.
+    """Run a method and take its surface, which stands for all units; see `fit_surfaces`.
 
     Raises
     ------
     TypeError, ValueError
-        If the method has no surface, or units have models or inputs of their own.
+        Also if units have models or inputs of their own.
+    NoSurfaceError
+        As `fit_surfaces`.
+    """
+    checked_unit(problem)
+    return fit_surfaces(
+        problem, criteria, method, max_evals=max_evals, rng=rng, evaluator=evaluator
+    )[0]
+
+
+def fit_surfaces(
+    problem: Problem,
+    criteria: Sequence[Criterion],
+    method: SurfaceMethod,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> list[FittedSurface]:
+    """Run a method and take its surface of each kind of units.
+
+    Parameters as in `ReliabilityMethod.estimate`. Responses are not transformed (`warp`): what is
+    asked of the surfaces is asked of the responses.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the method has no surface.
     NoSurfaceError
         If it found no answer, or some responses are infinite or failed, where no surface is.
     """
-    checked_unit(problem)
     instance("method", method, (Kriging, PolynomialChaos), "give Kriging() or PolynomialChaos()")
     method = replace(method, warp=False)
     result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
@@ -116,13 +139,17 @@ def fit_surface(
     if not isinstance(details, KrigingDetails | PolynomialChaosDetails):
         why = next((row.message for row in result if row.status in NO_ANSWER), "no surface")
         raise NoSurfaceError(f"{method.name} gave no surface: {why}")
-    finite = details.cross_validation.residuals.size
+    of_kinds = [details, *details.of_other_kinds]
+    finite = sum(one.cross_validation.residuals.size for one in of_kinds)
     if finite < result.n_evals:
         raise NoSurfaceError(
             f"{result.n_evals - finite} of {result.n_evals} runs gave no finite response: a "
             "surface says nothing about where they are"
         )
-    surface = details.surface
-    assert not isinstance(surface, WarpedSurface)
-    noise = surface.noise_std if isinstance(surface, GaussianProcess) else 0.0
-    return FittedSurface(surface, problem.inputs, noise, result)
+    fitted = []
+    for one, inputs in zip(of_kinds, problem.kinds.inputs, strict=True):
+        surface = one.surface
+        assert not isinstance(surface, WarpedSurface)
+        noise = surface.noise_std if isinstance(surface, GaussianProcess) else 0.0
+        fitted.append(FittedSurface(surface, inputs, noise, result))
+    return fitted

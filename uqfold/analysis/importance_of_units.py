@@ -58,12 +58,12 @@ def importance_of_units(
     rng: RandomSource = None,
     evaluator: Evaluator | None = None,
 ) -> pd.DataFrame:
-    """Return how much each unit of a system matters, on a fitted surface.
+    """Return how much each unit of a system matters, on a fitted surface of each kind.
 
     Parameters
     ----------
     problem
-        Units in any structure; they may differ by their offsets.
+        Units in any structure; they may differ, but each needs an individual input.
     criteria
         What "works" means, without tau; None takes the problem's own default criteria.
     method
@@ -85,8 +85,8 @@ def importance_of_units(
     Raises
     ------
     ValueError, TypeError
-        For wrong arguments, for a criterion with tau, or where nothing is individual, so that no
-        unit can fail alone.
+        For wrong arguments, for a criterion with tau, or where a unit has no individual input, so
+        that it cannot fail alone.
     NoSurfaceError
         If the evaluations allow no surface.
     """

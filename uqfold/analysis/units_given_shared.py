@@ -1,4 +1,4 @@
-"""How units fail given the shared inputs, on a fitted surface."""
+"""How units fail given the shared inputs, on a fitted surface of each kind of them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.analysis.fitted_surface import SurfaceMethod, fit_surface
+from uqfold.analysis.fitted_surface import SurfaceMethod, fit_surfaces
 from uqfold.checks import refused
 from uqfold.evaluation import Evaluator
-from uqfold.methods.arguments import CriteriaLike, checked_criteria
+from uqfold.methods.arguments import CriteriaLike, checked_criteria, without_own_inputs
 from uqfold.methods.kriging import Kriging
 from uqfold.methods.result import CriterionResult
 from uqfold.methods.seeding import RandomSource
@@ -53,13 +53,13 @@ def units_given_shared(
     rng: RandomSource,
     evaluator: Evaluator | None,
 ) -> list[UnitsGivenShared]:
-    """Fit a surface, and evaluate how units fail for each criterion.
+    """Fit a surface for each kind of units, and evaluate how units fail for each criterion.
 
     Raises
     ------
     ValueError, TypeError
-        For wrong arguments, for a criterion with tau, or where nothing is individual, so that no
-        unit can fail alone.
+        For wrong arguments, for a criterion with tau, or where a unit has no individual input, so
+        that it cannot fail alone.
     NoSurfaceError
         If the evaluations allow no surface.
     """
@@ -67,22 +67,30 @@ def units_given_shared(
     with_tau = [one for one in asked if one.tau is not None]
     if with_tau:
         raise refused("criteria", with_tau[0], "under tau units matter together; give none")
-    if problem.inputs.n_individual == 0:
+    if not any(one.n_individual for one in problem.kinds.inputs):
         raise refused("problem", problem, "nothing is individual: its units fail together")
-    fitted = fit_surface(
+    why = without_own_inputs(problem, asked[0])
+    if why is not None:
+        raise refused("problem", problem, why)
+    fitted = fit_surfaces(
         problem, asked, Kriging() if method is None else method,
         max_evals=max_evals, rng=rng, evaluator=evaluator,
     )  # fmt: skip
+    units, means = SystemUnits.of(problem), [one.surface.mean for one in fitted]
     # a second mission, so that the shared inputs are laid out for a single unit too
     laid = [*asked, Criterion(asked[0].threshold, missions=2)]
-    mean, inputs, units = fitted.surface.mean, problem.inputs, SystemUnits.of(problem)
-    system = laid_out(mean, inputs.dimension, inputs.n_shared, units, laid)
-    responses = system.responses(mean, noise=fitted.noise).whole[0]
-    nodes = [UnitResponse([response], np.ones(1)) for response in responses]
+    dimensions = [one.inputs.dimension for one in fitted]
+    system = laid_out(means, dimensions, problem.inputs.n_shared, units, laid)
+    responses = system.responses(means, noise=[one.noise for one in fitted]).whole
+    nodes = [
+        [UnitResponse([one], np.ones(1)) for one in of_kinds]
+        for of_kinds in zip(*responses, strict=True)
+    ]
     weights = system.weights / system.weights.sum()
+    result = fitted[0].result
     return [
         UnitsGivenShared(criterion, row, *_of_units(nodes, units, criterion.threshold), weights)
-        for criterion, row in zip(asked, fitted.result, strict=True)
+        for criterion, row in zip(asked, result, strict=True)
     ]
 
 
@@ -106,7 +114,7 @@ def correlation_of_failures(first: FloatArray, second: FloatArray, weights: Floa
 
 
 def _of_units(
-    nodes: Sequence[UnitResponse], units: SystemUnits, threshold: float
+    nodes: Sequence[Sequence[UnitResponse]], units: SystemUnits, threshold: float
 ) -> tuple[FloatArray, FloatArray]:
     """How each unit fails and works at each shared node (n, K)."""
     pairs = [failure_of_units(node, units, np.array([threshold])) for node in nodes]
