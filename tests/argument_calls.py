@@ -168,7 +168,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "mechanism.Trajectory", "methods.CriterionResult",
     "methods.Task", "ReliabilityResult", "validation.CaseRecord", "validation.Work",
     # the package's own side of store, executors and sessions
-    "Problem.units_of_kind", "evaluation.EvaluationSession",
+    "evaluation.EvaluationSession",
     "analysis.Scan.of",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
     "evaluation.EvaluationSession.expect",

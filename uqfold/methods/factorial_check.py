@@ -240,12 +240,13 @@ def _check(
     quadratic = any(family.moments == 0 for family in (own, *others))
     kinds = []
     for one in runs:
-        tested = tested_surface(one.known.task, one)
+        tested = tested_surface(one)
         outer = [[n + more for n in one.outer] for more in (0, MORE, _FINER)]
         while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
             outer[2] = [n - 1 for n in outer[2]]
-        inputs = one.known.task.problem.inputs
-        surface = SurfaceMoments(inputs, tested.surface, one.least, one.additive, quadratic)
+        surface = SurfaceMoments(
+            one.known.inputs, tested.surface, one.least, one.additive, quadratic
+        )
         first, more, finest = (surface.at(some, math.prod(outer[2])) for some in outer)
         kinds.append(CheckedKind((first, more, finest), tested, one.whole))
     others = [family for family in others if family.title != own.title]

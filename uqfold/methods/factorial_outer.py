@@ -139,7 +139,7 @@ def refined(
 
 def _with_shared_lines(known: KnownRuns, runs: FactorialRuns) -> FactorialSurface:
     shared = range(len(runs.outer))
-    lines = line_places(known.task, runs.surface, runs.counts, shared)
+    lines = line_places(known.inputs, runs.surface, runs.counts, shared)
     return runs.surface.with_lines(lines, known.finite)
 
 

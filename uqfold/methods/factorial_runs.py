@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
+from uqfold.inputs import JointInputs
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_rules import (
@@ -31,13 +32,18 @@ class KnownRuns:
     ----------
     task
         Problem and session.
-    row_of
-        Makes rows for the session of inputs (n, d).
+    kind
+        Which kind of units they are of.
     """
 
     task: Task
-    row_of: Callable[[FloatArray], FloatArray] = np.asarray
+    kind: int = 0
     _known: dict[bytes, float] = field(default_factory=dict)
+
+    @property
+    def inputs(self) -> JointInputs:
+        """The inputs of this kind of units."""
+        return self.task.problem.kinds.inputs[self.kind]
 
     def missing(self, points: FloatArray) -> int:
         """Count the places (n, d) that have not been run."""
@@ -57,9 +63,10 @@ class KnownRuns:
             if key not in self._known:
                 new.setdefault(key, row)
         if new:
-            inputs, places = self.task.problem.inputs, points[list(new.values())]
+            inputs, places = self.inputs, points[list(new.values())]
             x = places if inputs.independent else inputs.from_standard_normal(places)
-            found = self.task.session.evaluate(self.row_of(x))
+            rows = self.task.problem.kinds.rows_of(self.kind, x)
+            found = self.task.session.evaluate(rows)
             self._known.update(zip(new, found.tolist(), strict=True))
         return np.array([self._known[key] for key in keys])
 
@@ -139,7 +146,7 @@ class FactorialRuns:
         BudgetExceededError, TimeLimitError
             If there is no room for the runs; none is made then.
         """
-        task, inputs = known.task, known.task.problem.inputs
+        task, inputs = known.task, known.inputs
         shared = rules_of(inputs, outer)
         most = tuple(max(counts[i] for _, counts in grids) for i in range(inputs.n_individual))
         rule = cache(lambda i, n: rule_of(inputs, inputs.n_shared + i, n))
@@ -175,20 +182,18 @@ class FactorialRuns:
         cls, task: Task, counts: Sequence[int], y: FloatArray, kind: int = 0
     ) -> FactorialRuns:
         """Take over the finite responses of one product of nodes, of one kind of units."""
-        row_of = partial(task.problem.kinds.rows_of, kind)
-        task = replace(task, problem=task.problem.units_of_kind(kind))
-        rules = rules_of(task.problem.inputs, counts)
-        known = KnownRuns(task, row_of)
+        known = KnownRuns(task, kind)
+        rules = rules_of(known.inputs, counts)
         known.add(tensor_grid(rules)[0], y)
         nodes = tuple(places for places, _ in rules)
         surface = FactorialSurface.of_product(nodes, y.reshape(tuple(counts)))
-        n_shared = task.problem.inputs.n_shared
+        n_shared = known.inputs.n_shared
         outer, inner = tuple(counts[:n_shared]), tuple(counts[n_shared:])
         return cls(known, surface, tuple(counts), outer, least=inner)
 
 
 def line_places(
-    task: Task, surface: FactorialSurface, counts: Sequence[int], axes: Sequence[int]
+    inputs: JointInputs, surface: FactorialSurface, counts: Sequence[int], axes: Sequence[int]
 ) -> list[tuple[int, FloatArray]]:
     """Return two nodes more than a design has along each of some inputs, the middle left out.
 
@@ -197,7 +202,7 @@ def line_places(
     ValueError
         If an input has no such rule.
     """
-    finer = rules_of(task.problem.inputs, [min(n + MORE, MAX_GAUSS_NODES) for n in counts])
+    finer = rules_of(inputs, [min(n + MORE, MAX_GAUSS_NODES) for n in counts])
     lines = []
     for axis in axes:
         places = finer[axis][0]

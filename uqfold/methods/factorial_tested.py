@@ -10,7 +10,6 @@ import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
-from uqfold.methods.base import Task
 from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
 from uqfold.methods.factorial_runs import FactorialRuns, line_places
 from uqfold.methods.factorial_surface import FactorialSurface
@@ -55,15 +54,13 @@ class TestedSurface:
         return np.asarray(np.maximum(near, self.miss))
 
 
-def tested_surface(task: Task, runs: FactorialRuns) -> TestedSurface:
+def tested_surface(runs: FactorialRuns) -> TestedSurface:
     """Run the model on lines through the middle of a design, and near the thresholds.
 
     Parameters
     ----------
-    task
-        Problem, criteria and session.
     runs
-        The design and its finite responses.
+        The design of one kind of units, and its finite responses.
 
     Raises
     ------
@@ -74,10 +71,12 @@ def tested_surface(task: Task, runs: FactorialRuns) -> TestedSurface:
     TimeLimitError
         If the time is over.
     """
-    inputs, known, plain = task.problem.inputs, runs.known, runs.surface
-    lines = line_places(task, plain, runs.counts, range(inputs.dimension))
+    known, plain = runs.known, runs.surface
+    task, inputs = known.task, known.inputs
+    lines = line_places(inputs, plain, runs.counts, range(inputs.dimension))
     between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in runs.counts])
-    asked = SystemUnits.of(task.problem).thresholds([one.threshold for one in task.criteria])
+    thresholds = [one.threshold for one in task.criteria]
+    asked = SystemUnits.of(task.problem).thresholds(thresholds, known.kind)
     levels = _levels(asked)
     needed = known.missing(plain.on_lines(lines)) + _PLACES * levels.size + 2
     if needed > task.session.remaining:

@@ -204,7 +204,7 @@ class FFNI(ReliabilityMethod):
 
 def _details(runs: FactorialRuns, family: Family) -> FFNIDetails:
     """Return the distributions at the nodes of a rule over the polynomial."""
-    inputs = runs.known.task.problem.inputs
+    inputs = runs.known.inputs
     quadratic = family.moments == 0
     surface = SurfaceMoments(inputs, runs.surface, runs.least, runs.additive, quadratic)
     rule = surface.at(runs.outer)

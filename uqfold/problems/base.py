@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -244,34 +244,6 @@ class Problem:
         """What a `Structure` calls each unit: its own name, else ``u`` and its index from 0."""
         own = ("",) * self.units if isinstance(self.units, int) else [u.name for u in self.units]
         return tuple(name or f"u{i}" for i, name in enumerate(own))
-
-    def units_of_kind(self, kind: int) -> Problem:
-        """Return the problem of the units of one kind alone, in series."""
-        kinds = self.kinds
-        if len(kinds.models) == 1:
-            return self
-        assert not isinstance(self.units, int)
-        assert kinds.of_units is not None
-        assert kinds.offsets is not None
-        own = kinds.of_units == kind
-        alone = copy(self)
-        fields = {
-            "model": kinds.models[kind],
-            "inputs": kinds.inputs[kind],
-            "units": tuple(unit for unit, one in zip(self.units, own, strict=True) if one),
-            "structure": Series(),
-            "kinds": replace(
-                kinds,
-                models=kinds.models[kind : kind + 1],
-                inputs=kinds.inputs[kind : kind + 1],
-                partners=kinds.partners[kind : kind + 1],
-                of_units=np.zeros(int(own.sum()), dtype=np.int64),
-                offsets=kinds.offsets[own],
-            ),
-        }
-        for key, value in fields.items():
-            object.__setattr__(alone, key, value)
-        return alone
 
     @property
     def exchangeable(self) -> bool:
