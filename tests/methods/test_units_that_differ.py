@@ -27,9 +27,13 @@ from uqfold import (
 from uqfold.analysis import conditional_sobol, pick_freeze
 from uqfold.inputs import normal
 from uqfold.methods import (
+    FFNI,
     ConditionalMonteCarlo,
+    DimensionReduction,
     FFNIPearson,
     FFNISaddlepoint,
+    FullFactorial,
+    GaussOuter,
     Kriging,
     MonteCarlo,
     OpenTURNSFORM,
@@ -38,6 +42,7 @@ from uqfold.methods import (
     ReliabilityMethod,
     build,
 )
+from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.kriging import KrigingDetails
 from uqfold.problems.structure import SystemStructure
 from uqfold.testing.linear_normal import works_as
@@ -192,7 +197,7 @@ def test_a_surface_for_each_kind_of_units(
 
 @pytest.mark.parametrize(
     "method",
-    [FFNISaddlepoint(nodes_shared=20), FFNIPearson(nodes_shared=20)],
+    [FFNISaddlepoint(nodes_shared=20), FFNIPearson(nodes_shared=20), FFNI(outer=GaussOuter(20))],
     ids=lambda one: one.name,
 )
 def test_moments_of_each_kind_at_the_same_shared_nodes(method: ReliabilityMethod) -> None:
@@ -203,12 +208,29 @@ def test_moments_of_each_kind_at_the_same_shared_nodes(method: ReliabilityMethod
         assert row.pf == pytest.approx(exact([*PUMPS, VALVE], SYSTEM, criterion), rel=1e-6)
         assert row.status == "converged"
     assert 20 * (5 + 25) < result.n_evals < 20 * (5 + 25) + 100
-    coarse = replace(method, nodes_shared=3).estimate(problem, Criterion(3.0))[0]
+    three = {"outer": GaussOuter(3)} if isinstance(method, FFNI) else {"nodes_shared": 3}
+    coarse = replace(method, **three).estimate(problem, Criterion(3.0))[0]
     assert coarse.status == "doubtful"
     assert "over the shared inputs, pf changes by" in coarse.message
     tight = method.estimate(problem, CRITERIA, max_evals=599)
     assert {row.status for row in tight} == {"failed"}
     assert tight.n_evals == 0
+
+
+@pytest.mark.parametrize("inner", [FullFactorial(), DimensionReduction(2)])
+def test_refined_moments_of_several_kinds(inner: FullFactorial | DimensionReduction) -> None:
+    """A rule over the polynomials of all kinds is refined until the system's answers stand."""
+    problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE], structure=SYSTEM)
+    result = FFNI(inner).estimate(problem, CRITERIA)
+    for criterion, row in zip(CRITERIA, result, strict=True):
+        assert row.pf == pytest.approx(exact([*PUMPS, VALVE], SYSTEM, criterion), rel=1e-3)
+        assert row.status == "converged"
+    details = result.details
+    assert isinstance(details, FFNIDetails)
+    assert len(details.of_other_kinds) == 1
+    few = FFNI(inner).estimate(problem, CRITERIA, max_evals=50)
+    assert {row.status for row in few} == {"failed"}
+    assert few.n_evals == 0
 
 
 def synchronized(units: Sequence[Unit], threshold: float, tau: float) -> float:
@@ -244,12 +266,13 @@ def test_surfaces_that_differ_under_tau() -> None:
     assert row.reliability == pytest.approx(synchronized(units, 1.5, 1.2), rel=1e-4)
 
 
-def test_offsets_under_tau_by_moments() -> None:
-    """FFNI integrates over which unit comes first, too."""
-    problem = Problem(pump, **INPUTS, units=PUMPS)
+def test_kinds_and_offsets_under_tau_by_moments() -> None:
+    """FFNI integrates over which unit comes first, too, and checks it."""
+    units = [PUMPS[1], VALVE]
+    problem = Problem(pump, **INPUTS, units=units)
     row = FFNIPearson(nodes_shared=16).estimate(problem, Criterion(1.5, tau=1.2))[0]
     assert row.status == "converged"
-    assert row.reliability == pytest.approx(synchronized(PUMPS, 1.5, 1.2), rel=1e-4)
+    assert row.reliability == pytest.approx(synchronized(units, 1.5, 1.2), rel=1e-4)
 
 
 @pytest.mark.parametrize(("bend", "status"), [(0.01, "converged"), (0.3, "doubtful")])
@@ -329,7 +352,7 @@ def test_a_curved_limit_state_of_one_sort_is_doubted() -> None:
 
 
 SIMULATE = {"mc", "conditional-mc", "openturns-mc"}
-ANSWER = [*sorted(SIMULATE), "kriging", "pce", "ffni-spa", "ffni-pearson", "openturns-form"]
+ANSWER = [*sorted(SIMULATE), "kriging", "pce", "ffni", "ffni-spa", "ffni-pearson", "openturns-form"]
 
 
 @pytest.mark.parametrize("name", [*ANSWER, "active-kriging"])

@@ -13,12 +13,17 @@ from uqfold.checks import keep, real, whole
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.factorial_design import Nodes, checked_nodes
 from uqfold.methods.factorial_inner import Grids
-from uqfold.methods.factorial_runs import MORE, FactorialRuns, KnownRuns, line_places
-from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.methods.factorial_runs import (
+    MORE,
+    FactorialRuns,
+    KnownRuns,
+    line_places,
+    runs_of_kinds,
+)
 from uqfold.typing import FloatArray
 
-Answer: TypeAlias = Callable[[FactorialRuns, Sequence[int]], FloatArray]
-"""Smaller ones of pf and reliability (C,) from runs and the nodes of a rule over them."""
+Answer: TypeAlias = Callable[[Sequence[FactorialRuns]], FloatArray]
+"""Smaller ones of pf and reliability (C,) from runs of each kind, by the nodes `outer` of these."""
 
 _SETTLED = 0.3
 """Share of the tolerance that two rules over the polynomial may differ by."""
@@ -87,17 +92,21 @@ class Refined:
     Attributes
     ----------
     runs
-        The last design with its lines, and the nodes of the last rule.
+        The last design with its lines, and the nodes of the last rule, of each kind of units.
     change
         What the lines changed the smaller one of pf and reliability by (C,).
     """
 
-    runs: FactorialRuns
+    runs: list[FactorialRuns]
     change: FloatArray
 
 
 def refined(
-    outer: RefinedOuter, first: Sequence[int], known: KnownRuns, grids: Grids, answer: Answer
+    outer: RefinedOuter,
+    first: Sequence[int],
+    known: Sequence[KnownRuns],
+    grids: Sequence[Grids],
+    answer: Answer,
 ) -> Refined:
     """Run designs and refine rules until answers stand, or the budget ends.
 
@@ -108,9 +117,9 @@ def refined(
     first
         Nodes of each shared input in the first design.
     known
-        Runs made before; takes those made here.
+        Runs made before, of each kind of units; takes those made here.
     grids
-        The design over the individual inputs.
+        The design over the individual inputs of each kind.
     answer
         Answers the criteria.
 
@@ -121,40 +130,43 @@ def refined(
     BudgetExceededError, TimeLimitError
         If there is no room for the first design and its lines.
     """
-    task, counts = known.task, list(first)
+    session, counts = known[0].task.session, list(first)
     while True:
-        plain = FactorialRuns.laid_out(known, counts, grids)
-        surface = _with_shared_lines(known, plain)
-        corrected = replace(plain, surface=surface)
+        plain = runs_of_kinds(known, counts, grids)
+        corrected = [_with_shared_lines(one) for one in plain]
         runs, with_lines = _settled(corrected, outer.tolerance, answer)
-        change = np.abs(answer(plain, runs.outer) - with_lines)
+        change = np.abs(answer(_by_rule(plain, runs[0].outer)) - with_lines)
         enough = (change <= outer.tolerance * with_lines).all()
         counts = [n + MORE for n in counts]
         if enough or max(counts) > outer.most:
             return Refined(runs, change)
-        size = math.prod(counts) * sum(math.prod(some) for _, some in grids)
-        if size + MORE * len(counts) > task.session.remaining:
+        size = math.prod(counts) * sum(math.prod(some) for own in grids for _, some in own)
+        if size + MORE * len(counts) * len(known) > session.remaining:
             return Refined(runs, change)
 
 
-def _with_shared_lines(known: KnownRuns, runs: FactorialRuns) -> FactorialSurface:
+def _with_shared_lines(runs: FactorialRuns) -> FactorialRuns:
     shared = range(len(runs.outer))
-    lines = line_places(known.inputs, runs.surface, runs.counts, shared)
-    return runs.surface.with_lines(lines, known.finite)
+    lines = line_places(runs.known.inputs, runs.surface, runs.counts, shared)
+    return replace(runs, surface=runs.surface.with_lines(lines, runs.known.finite))
+
+
+def _by_rule(runs: Sequence[FactorialRuns], counts: tuple[int, ...]) -> list[FactorialRuns]:
+    return [replace(one, outer=counts) for one in runs]
 
 
 def _settled(
-    runs: FactorialRuns, tolerance: float, answer: Answer
-) -> tuple[FactorialRuns, FloatArray]:
-    """Refine the rule over the polynomial, by half as many nodes each time, and answer with it."""
-    counts = runs.outer
-    found = answer(runs, counts)
+    runs: list[FactorialRuns], tolerance: float, answer: Answer
+) -> tuple[list[FactorialRuns], FloatArray]:
+    """Refine the rule over the polynomials, by half as many nodes each time, and answer by it."""
+    counts = runs[0].outer
+    found = answer(runs)
     while counts:
         finer = tuple(min(n + max(MORE, n // 2), MAX_GAUSS_NODES) for n in counts)
         if finer == counts or math.prod(finer) > MOST_NODES:
             break
         counts, before = finer, found
-        found = answer(runs, counts)
+        found = answer(_by_rule(runs, counts))
         if (np.abs(found - before) <= _SETTLED * tolerance * found).all():
             break
-    return replace(runs, outer=counts), found
+    return _by_rule(runs, counts), found

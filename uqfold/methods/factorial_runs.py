@@ -12,10 +12,8 @@ from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
-from uqfold.methods.factorial_rules import (
-    rule_of,
-    rules_of,
-)
+from uqfold.methods.factorial_inner import Grids
+from uqfold.methods.factorial_rules import GaussRule, rule_of, rules_of
 from uqfold.methods.factorial_surface import FactorialSurface, Patch
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.typing import FloatArray
@@ -95,6 +93,39 @@ def _keys(points: FloatArray) -> list[bytes]:
 
 
 @dataclass(frozen=True, eq=False)
+class DesignPlan:
+    """Where a design of one kind of units is run, before it is.
+
+    Attributes
+    ----------
+    known
+        Runs made before.
+    outer
+        Nodes of each shared input.
+    grids
+        Products of nodes over the individual inputs: their shares and counts.
+    products, points
+        For each of them the rules of all inputs, and their nodes (n, d).
+    """
+
+    known: KnownRuns
+    outer: Sequence[int]
+    grids: Grids
+    products: list[list[GaussRule]]
+    points: list[FloatArray]
+
+    @classmethod
+    def of(cls, known: KnownRuns, outer: Sequence[int], grids: Grids) -> DesignPlan:
+        """Lay out all nodes over the shared inputs times those over the individual ones."""
+        inputs = known.inputs
+        shared = rules_of(inputs, outer)
+        rule = cache(lambda i, n: rule_of(inputs, inputs.n_shared + i, n))
+        products = [[*shared, *(rule(i, n) for i, n in enumerate(counts))] for _, counts in grids]
+        points = [tensor_grid(rules)[0] for rules in products]
+        return cls(known, outer, grids, products, points)
+
+
+@dataclass(frozen=True, eq=False)
 class FactorialRuns:
     """The runs of a design, and the polynomial through them.
 
@@ -125,56 +156,34 @@ class FactorialRuns:
     whole: bool = True
 
     @classmethod
-    def laid_out(
-        cls, known: KnownRuns, outer: Sequence[int], grids: Sequence[tuple[float, tuple[int, ...]]]
-    ) -> FactorialRuns:
-        """Run the design: all nodes over the shared inputs times those over the individual ones.
-
-        Parameters
-        ----------
-        known
-            Runs made before.
-        outer
-            Nodes of each shared input.
-        grids
-            Products of nodes over the individual inputs: their shares and counts.
+    def laid_out(cls, plan: DesignPlan) -> FactorialRuns:
+        """Run what is missing of a design.
 
         Raises
         ------
         ValueError
             If a response is not finite.
         BudgetExceededError, TimeLimitError
-            If there is no room for the runs; none is made then.
+            If there is no room for the runs.
         """
-        task, inputs = known.task, known.inputs
-        shared = rules_of(inputs, outer)
-        most = tuple(max(counts[i] for _, counts in grids) for i in range(inputs.n_individual))
-        rule = cache(lambda i, n: rule_of(inputs, inputs.n_shared + i, n))
-        products = [[*shared, *(rule(i, n) for i, n in enumerate(counts))] for _, counts in grids]
-        points = [tensor_grid(rules)[0] for rules in products]
-        every = np.concatenate(points)
-        needed = known.missing(every)
-        if needed > task.session.remaining:
-            raise BudgetExceededError(
-                f"the design has {needed} nodes, max_evals = {task.session.max_evals}: choose "
-                "fewer, or raise the budget"
-            )
-        task.session.expect(task.session.n_evals + needed)
-        found = np.split(known.finite(every), np.cumsum([len(one) for one in points])[:-1])
+        ends = np.cumsum([len(one) for one in plan.points])[:-1]
+        found = np.split(plan.known.finite(np.concatenate(plan.points)), ends)
         patches = []
-        for (share, counts), rules, y in zip(grids, products, found, strict=True):
+        for (share, counts), rules, y in zip(plan.grids, plan.products, found, strict=True):
             nodes = tuple(places for places, _ in rules)
-            patches.append(Patch(share, nodes, y.reshape([*outer, *counts])))
+            patches.append(Patch(share, nodes, y.reshape([*plan.outer, *counts])))
         smallest = min(patches, key=lambda patch: patch.table.size)
         middle = np.array([places[places.size // 2] for places in smallest.nodes])
+        several = [counts for _, counts in plan.grids]
+        most = tuple(max(of_input) for of_input in zip(*several, strict=True))
         return cls(
-            known,
+            plan.known,
             FactorialSurface(tuple(patches), middle),
-            (*outer, *most),
-            tuple(outer),
-            additive=all(sum(n > 1 for n in counts) <= 1 for _, counts in grids),
-            least=most if len(grids) == 1 else (3,) * len(most),
-            whole=len(grids) == 1,
+            (*plan.outer, *most),
+            tuple(plan.outer),
+            additive=all(sum(n > 1 for n in counts) <= 1 for counts in several),
+            least=most if len(several) == 1 else (3,) * len(most),
+            whole=len(several) == 1,
         )
 
     @classmethod
@@ -209,3 +218,36 @@ def line_places(
         elsewhere = np.abs(places - surface.middle[axis]) > 1e-9 * np.ptp(places)
         lines.append((axis, places[elsewhere]))
     return lines
+
+
+def runs_of_kinds(
+    known: Sequence[KnownRuns], outer: Sequence[int], grids: Sequence[Grids]
+) -> list[FactorialRuns]:
+    """Run the design of each kind of units, all over the same nodes of the shared inputs.
+
+    Parameters
+    ----------
+    known
+        Runs made before, of each kind.
+    outer
+        Nodes of each shared input.
+    grids
+        Products of nodes over the individual inputs of each kind: their shares and counts.
+
+    Raises
+    ------
+    ValueError
+        If a response is not finite.
+    BudgetExceededError, TimeLimitError
+        If there is no room for the runs; none is made then.
+    """
+    plans = [DesignPlan.of(one, outer, own) for one, own in zip(known, grids, strict=True)]
+    session = known[0].task.session
+    needed = sum(plan.known.missing(np.concatenate(plan.points)) for plan in plans)
+    if needed > session.remaining:
+        raise BudgetExceededError(
+            f"the design has {needed} nodes, max_evals = {session.max_evals}: choose "
+            "fewer, or raise the budget"
+        )
+    session.expect(session.n_evals + needed)
+    return [FactorialRuns.laid_out(plan) for plan in plans]

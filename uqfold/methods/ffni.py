@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from uqfold.checks import choice, flag, instance, keep, real
 from uqfold.evaluation import BudgetExceededError
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_ends,
@@ -21,9 +22,10 @@ from uqfold.methods.factorial_check import design_with_verdicts, with_verdicts
 from uqfold.methods.factorial_design import (
     FactorialDesign,
     FFNIDetails,
-    affordable_design,
+    affordable_designs,
     conditional_responses,
     counts_per_input,
+    joined_details,
 )
 from uqfold.methods.factorial_inner import (
     DimensionReduction,
@@ -34,7 +36,7 @@ from uqfold.methods.factorial_inner import (
 )
 from uqfold.methods.factorial_outer import GaussOuter, Outer, RefinedOuter, refined
 from uqfold.methods.factorial_rules import SurfaceMoments, rules_of
-from uqfold.methods.factorial_runs import FactorialRuns, KnownRuns
+from uqfold.methods.factorial_runs import FactorialRuns, KnownRuns, runs_of_kinds
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import COMPOSED
@@ -43,7 +45,7 @@ from uqfold.moments.families import FAMILIES, Family
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
-from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.conditional import SystemProbability, system_failures_of_kinds
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
@@ -96,7 +98,7 @@ class FFNI(ReliabilityMethod):
     theory: ClassVar[Theory] = COMPOSED
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
-    units_may_differ: ClassVar[UnitsMayDiffer] = "by offset"
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
 
     inner: Inner = field(default_factory=FullFactorial)
     distribution: str = "cubic-normal"
@@ -128,69 +130,81 @@ class FFNI(ReliabilityMethod):
                 f"distribution = {self.distribution!r} has no density for a synchronization "
                 "threshold: give 'pearson' or another family"
             )
-        return super().supports(problem, criterion)
+        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
 
     def _solve(self, task: Task) -> Solution:
-        inputs, known = task.problem.inputs, KnownRuns(task)
-        grids = self.inner.grids(inputs.n_individual)
-        outer = counts_per_input(inputs, self.outer.nodes, 2)[: inputs.n_shared]
+        kinds = task.problem.kinds
+        known = [KnownRuns(task, kind) for kind in range(len(kinds.models))]
+        grids = [self.inner.grids(inputs.n_individual) for inputs in kinds.inputs]
+        outer = counts_per_input(kinds.inputs[0], self.outer.nodes, 2)[: kinds.n_shared]
         if not isinstance(self.inner, FullFactorial):
-            return self._by_surface(known, outer, grids)
-        design = affordable_design(task, self.outer.nodes, self.inner.nodes)
-        counts = [*outer, *grids[0][1]]
-        y = known.at(tensor_grid(rules_of(inputs, counts))[0])
+            return self._by_surface(task, known, outer, grids)
+        designs = affordable_designs(task, self.outer.nodes, self.inner.nodes)
+        counts = [[*outer, *own[0][1]] for own in grids]
+        y = [
+            one.at(tensor_grid(rules_of(one.inputs, own))[0])
+            for one, own in zip(known, counts, strict=True)
+        ]
         if isinstance(self.outer, GaussOuter):
-            return self._by_design(task, design, counts, y, [])
-        if not np.isfinite(y).all():
-            return self._by_design(task, design, counts, y, [_NOT_REFINED + "not finite"])
+            return self._by_design(task, designs, counts, y, [])
+        if not all(np.isfinite(own).all() for own in y):
+            return self._by_design(task, designs, counts, y, [_NOT_REFINED + "not finite"])
         try:
-            return self._by_surface(known, outer, grids)
+            return self._by_surface(task, known, outer, grids)
         except (ValueError, BudgetExceededError) as error:
-            return self._by_design(task, design, counts, y, [_NOT_REFINED + str(error)])
+            return self._by_design(task, designs, counts, y, [_NOT_REFINED + str(error)])
 
     def _by_design(
         self,
         task: Task,
-        design: FactorialDesign,
-        counts: Sequence[int],
-        y: FloatArray,
+        designs: Sequence[FactorialDesign],
+        counts: Sequence[Sequence[int]],
+        y: Sequence[FloatArray],
         doubts: Sequence[str],
     ) -> Solution:
         """Answer with the moments of the design's own rules, as the paper does."""
-        family, shared = self._family, task.problem.inputs.n_shared
-        details = task.summed_up(lambda _: conditional_responses(design, y, family.fit)[1])
-        if family.moments > 2:
-            nodes = tuple(counts[:shared]), tuple(counts[shared:])
-            doubts = [*doubts, *doubts_about_nodes(task.problem.inputs, *nodes)]
+        family, problem = self._family, task.problem
+        pairs = list(zip(designs, y, strict=True))
+        details = task.summed_up(
+            lambda _: [conditional_responses(*one, family.fit)[1] for one in pairs]
+        )
+        doubts = list(doubts)
+        for kind, own in enumerate(counts if family.moments > 2 else []):
+            inputs, name = problem.kinds.inputs[kind], problem.kinds.said(kind, problem.unit_names)
+            nodes = tuple(own[: inputs.n_shared]), tuple(own[inputs.n_shared :])
+            doubts += [name + doubt for doubt in doubts_about_nodes(inputs, *nodes)]
         estimates = _answers(task, family, details, doubts)
         if self.check:
             estimates = design_with_verdicts(
-                task, [counts], [y], family, estimates, self.target_cov, self._peers
+                task, counts, y, family, estimates, self.target_cov, self._peers
             )
-        return Solution(estimates, details)
+        return Solution(estimates, joined_details(details))
 
-    def _by_surface(self, known: KnownRuns, outer: Sequence[int], grids: Grids) -> Solution:
-        """Answer with the moments of the polynomial through the runs."""
-        task, family = known.task, self._family
-        units, change = SystemUnits.of(task.problem), None
+    def _by_surface(
+        self, task: Task, known: Sequence[KnownRuns], outer: Sequence[int], grids: Sequence[Grids]
+    ) -> Solution:
+        """Answer with the moments of the polynomials through the runs."""
+        family, units, change = self._family, SystemUnits.of(task.problem), None
 
-        def smaller(runs: FactorialRuns, counts: Sequence[int]) -> FloatArray:
-            details = _details(replace(runs, outer=tuple(counts)), family)
-            found = system_failures(details.responses, details.weights, units, task.criteria)
+        def smaller(runs: Sequence[FactorialRuns]) -> FloatArray:
+            details = [_details(one, family) for one in runs]
+            responses = [one.responses for one in details]
+            weights = details[0].weights
+            found = system_failures_of_kinds(responses, weights, units, task.criteria)
             return np.array([min(one.pf, one.reliability) for one in found])
 
         if isinstance(self.outer, RefinedOuter):
             found = refined(self.outer, outer, known, grids, smaller)
             runs, change = found.runs, found.change
         else:
-            runs = FactorialRuns.laid_out(known, outer, grids)
-        details = task.summed_up(lambda _: _details(runs, family))
+            runs = runs_of_kinds(known, outer, grids)
+        details = task.summed_up(lambda _: [_details(one, family) for one in runs])
         estimates = _answers(task, family, details, [])
         if self.check:
             estimates = with_verdicts(
-                task, [runs], family, estimates, self.target_cov, self._peers, change
+                task, runs, family, estimates, self.target_cov, self._peers, change
             )
-        return Solution(estimates, details)
+        return Solution(estimates, joined_details(details))
 
     @property
     def _peers(self) -> tuple[str, ...]:
@@ -222,20 +236,21 @@ def _details(runs: FactorialRuns, family: Family) -> FFNIDetails:
 def _answers(
     task: Task,
     family: Family,
-    details: FFNIDetails,
+    details: Sequence[FFNIDetails],
     doubts: Sequence[str],
 ) -> list[Estimate]:
     """Answer all criteria, with doubts where another distribution answers or one ends."""
     units = SystemUnits.of(task.problem)
-    replaced = [family.stands_in(one) for one in details.distributions]
 
-    def doubts_about(
-        criteria: Sequence[Criterion], found: Sequence[SystemProbability]
+    def doubts_of_kind(
+        kind: int, criteria: Sequence[Criterion], found: Sequence[SystemProbability]
     ) -> list[str]:
+        own = details[kind]
+        replaced = [family.stands_in(one) for one in own.distributions]
         elsewhere = fallbacks_that_matter(
-            details.weights, details.distributions, units, criteria, found, replaced
+            own.weights, own.distributions, units, criteria, found, replaced, kind
         )
-        ends = doubts_about_ends(units, criteria, found, details)
+        ends = doubts_about_ends(units, criteria, found, own, kind)
         return [
             f"{family.title} does not exist at {count} of {len(replaced)} shared nodes; the "
             "Pearson distribution answers there"
@@ -244,4 +259,10 @@ def _answers(
             for count, end in zip(elsewhere.tolist(), ends, strict=True)
         ]
 
-    return system_estimates(task, [details], list(doubts), doubts_about)
+    def doubts_about(
+        criteria: Sequence[Criterion], found: Sequence[SystemProbability]
+    ) -> list[str]:
+        every = [doubts_of_kind(kind, criteria, found) for kind in range(len(details))]
+        return ["; ".join(filter(None, of_kinds)) for of_kinds in zip(*every, strict=True)]
+
+    return system_estimates(task, details, list(doubts), doubts_about)
