@@ -153,6 +153,14 @@ def test_synchronization_needs_a_density() -> None:
     assert found.pf == pytest.approx(known(series(), asked[0]), rel=0.01)
 
 
+def test_most_outer_nodes_are_doubted_for_want_of_more() -> None:
+    """It said "n = 66: give a whole number"."""
+    problem = Problem(lambda x: x[:, 0] + x[:, 1], shared=normal(0, 1), individual=normal(0, 1))
+    row = FFNI(FullFactorial(3), outer=GaussOuter(60)).estimate(problem, criteria(2.0))[0]
+    assert row.status == "doubtful"
+    assert "no finer rule over the shared inputs to compare with" in row.message
+
+
 def test_settings_name_what_they_take() -> None:
     with pytest.raises(TypeError, match="inner"):
         FFNI(inner=5)  # type: ignore[arg-type]

@@ -228,6 +228,10 @@ def test_refined_moments_of_several_kinds(inner: FullFactorial | DimensionReduct
     details = result.details
     assert isinstance(details, FFNIDetails)
     assert len(details.of_other_kinds) == 1
+    unchecked = FFNI(inner).estimate(problem, Criterion(3.0), max_evals=120)
+    assert unchecked[0].status == "unchecked"
+    # the check of one kind alone, for which there is room, is not begun
+    assert unchecked.n_evals == 3 * (5 + 25) + 2 * 4
     few = FFNI(inner).estimate(problem, CRITERIA, max_evals=50)
     assert {row.status for row in few} == {"failed"}
     assert few.n_evals == 0

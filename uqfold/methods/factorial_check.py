@@ -15,11 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
+from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import fallbacks_that_matter
 from uqfold.methods.factorial_rules import OuterRule, SurfaceMoments
 from uqfold.methods.factorial_runs import MORE, FactorialRuns
-from uqfold.methods.factorial_tested import TestedSurface, tested_surface
+from uqfold.methods.factorial_tested import TestedSurface, tested_surfaces
 from uqfold.methods.factorial_verdict import (
     OtherAnswers,
     judged,
@@ -239,11 +240,15 @@ def _check(
 ) -> FactorialCheck:
     quadratic = any(family.moments == 0 for family in (own, *others))
     kinds = []
-    for one in runs:
-        tested = tested_surface(one)
+    for one, tested in zip(runs, tested_surfaces(runs), strict=True):
         outer = [[n + more for n in one.outer] for more in (0, MORE, _FINER)]
         while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
             outer[2] = [n - 1 for n in outer[2]]
+        if max(outer[2], default=0) > MAX_GAUSS_NODES:
+            raise ValueError(
+                f"no finer rule over the shared inputs to compare with: {MAX_GAUSS_NODES} nodes "
+                "are the most"
+            )
         surface = SurfaceMoments(
             one.known.inputs, tested.surface, one.least, one.additive, quadratic
         )

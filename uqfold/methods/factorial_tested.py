@@ -54,13 +54,13 @@ class TestedSurface:
         return np.asarray(np.maximum(near, self.miss))
 
 
-def tested_surface(runs: FactorialRuns) -> TestedSurface:
+def tested_surfaces(runs: Sequence[FactorialRuns]) -> list[TestedSurface]:
     """Run the model on lines through the middle of a design, and near the thresholds.
 
     Parameters
     ----------
     runs
-        The design of one kind of units, and its finite responses.
+        The design of each kind of units, and its finite responses.
 
     Raises
     ------
@@ -71,20 +71,30 @@ def tested_surface(runs: FactorialRuns) -> TestedSurface:
     TimeLimitError
         If the time is over.
     """
-    known, plain = runs.known, runs.surface
-    task, inputs = known.task, known.inputs
-    lines = line_places(inputs, plain, runs.counts, range(inputs.dimension))
-    between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in runs.counts])
-    thresholds = [one.threshold for one in task.criteria]
-    asked = SystemUnits.of(task.problem).thresholds(thresholds, known.kind)
-    levels = _levels(asked)
-    needed = known.missing(plain.on_lines(lines)) + _PLACES * levels.size + 2
+    task = runs[0].known.task
+    units, thresholds = SystemUnits.of(task.problem), [one.threshold for one in task.criteria]
+    plans, needed = [], 0
+    for one in runs:
+        axes = range(one.known.inputs.dimension)
+        lines = line_places(one.known.inputs, one.surface, one.counts, axes)
+        levels = _levels(units.thresholds(thresholds, one.known.kind))
+        needed += one.known.missing(one.surface.on_lines(lines)) + _PLACES * levels.size + 2
+        plans.append((one, lines, levels))
     if needed > task.session.remaining:
         raise BudgetExceededError(
             f"max_evals = {task.session.max_evals} has no room for the {needed} runs of the check"
         )
     task.session.expect(task.session.n_evals + needed)
-    surface = plain.with_lines(lines, known.finite)
+    return [_tested(*plan) for plan in plans]
+
+
+def _tested(
+    runs: FactorialRuns, lines: Sequence[tuple[int, FloatArray]], levels: FloatArray
+) -> TestedSurface:
+    """Run the lines of one kind of units, and the places near its levels."""
+    known, inputs = runs.known, runs.known.inputs
+    between = rules_of(inputs, [min(n + 1, MAX_GAUSS_NODES) for n in runs.counts])
+    surface = runs.surface.with_lines(lines, known.finite)
     places, of_level = _places_near(surface, between, levels)
     likely = np.outer([-1.0, 1.0], np.ones(inputs.dimension))
     if inputs.independent:
