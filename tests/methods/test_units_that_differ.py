@@ -6,8 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
+import openturns as ot
 import pytest
 from scipy.integrate import quad
 from scipy.special import log_ndtr, ndtr
@@ -392,6 +394,34 @@ def test_equal_models_and_inputs_are_one_kind() -> None:
     kinds = Problem(pump, **INPUTS, units=units).kinds
     assert kinds.of_units is not None
     assert kinds.of_units.tolist() == [0, 1, 0, 1]
+
+
+def mixture(weight: float) -> Any:
+    return ot.Mixture([ot.Normal(0.0, 1.0), ot.Normal(3.0, 1.0)], [weight, 1.0 - weight])
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ([ot.Normal()], [ot.Normal()] * 2),  # in the other order OpenTURNS may crash
+        ([ot.Normal()] * 2, [ot.Normal()]),
+        ([mixture(0.5)], [mixture(0.9)]),
+        ([ot.TruncatedDistribution(mixture(0.5), 0.0, 1.0)],
+         [ot.TruncatedDistribution(mixture(0.9), 0.0, 1.0)]),
+        ([ot.MaximumDistribution(ot.Normal(), 2)], [ot.MaximumDistribution(ot.Normal(), 5)]),
+        ([ot.Normal()], [ot.Normal(0.0, 1.0 + 1e-9)]),
+    ],
+)  # fmt: skip
+def test_inputs_that_openturns_calls_equal_are_two_kinds(first: Any, second: Any) -> None:
+    """A unit answered with another's inputs, `converged`, by every method."""
+
+    def total(x: FloatArray) -> FloatArray:
+        return np.asarray(x.sum(axis=1))
+
+    units = [Unit(total, first), Unit(total, second), Unit(total, first)]
+    kinds = Problem(total, **INPUTS, units=units).kinds
+    assert kinds.of_units is not None
+    assert kinds.of_units.tolist() == [0, 1, 0]
 
 
 def test_other_moments_of_a_shared_input_reach_all_kinds() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal, WithoutCaches, called
+from uqfold.inputs.sameness import same_distribution
 from uqfold.typing import FloatArray
 
 _FURTHEST = 38.0  # a normal probability of 1e-316: further out lies nothing
@@ -195,7 +196,7 @@ class JointPart(_ByOpenTURNS):
         """See `Part`."""
         x = called(self._inverse, u)
         for i, (base, new) in enumerate(zip(self.base, marginals, strict=True)):
-            if base.distribution != new.distribution:
+            if not same_distribution(base.distribution, new.distribution):
                 x[:, i] = new.from_normal(base.to_normal(x[:, i]))
         return x
 
@@ -215,7 +216,7 @@ class JointPart(_ByOpenTURNS):
         at, change = x.copy(), np.zeros(len(x))
         for i in range(x.shape[1]):
             base, new = self.base[i], marginals[i]
-            if base.distribution != new.distribution:
+            if not same_distribution(base.distribution, new.distribution):
                 z = np.clip(new.to_normal(x[:, i]), -_FURTHEST, _FURTHEST)
                 at[:, i] = base.from_normal(z)
                 change += new.log_pdf(x[:, i]) - base.log_pdf(at[:, i])

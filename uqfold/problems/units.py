@@ -11,6 +11,7 @@ import numpy as np
 
 from uqfold.checks import function, instance, keep, or_none, real, refused, several, text, whole
 from uqfold.inputs import JointInputs, product_inputs
+from uqfold.inputs.sameness import same_distribution
 from uqfold.problems.responses import numbers_in
 from uqfold.typing import FloatArray, IntArray, Model
 
@@ -255,7 +256,9 @@ def _is_same(one: Model | None, other: Model | None) -> bool:
 
 def _alike(one: JointInputs, other: JointInputs, of_problem: JointInputs) -> bool:
     """Whether own inputs of two units are the same; the problem's may yet get other moments."""
-    return one is not of_problem and bool(one.distribution == other.distribution)
+    if one is of_problem or one.n_shared != other.n_shared:
+        return False
+    return same_distribution(one.distribution, other.distribution)
 
 
 def _inputs_of(unit: Unit, inputs: JointInputs, shared: Any) -> JointInputs:
