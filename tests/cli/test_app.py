@@ -305,6 +305,13 @@ def test_a_problem_of_ones_own_is_refused_in_one_line(
     assert "Traceback" not in err
 
 
+def test_a_problem_itself_may_stand_in_a_file(own: str) -> None:
+    with Path(own).open("a", encoding="utf-8") as file:
+        file.write("\nready = problem()\n")
+    words = ["--method", "mc", "--threshold", "1", "--max-evals", "1000", "--no-figures"]
+    assert run("compare", f"{own}:ready", *words, "--quiet") == 0
+
+
 def test_problems_of_ones_own_are_kept_apart_by_file_and_function(own: str) -> None:
     """Two files with a function `problem` do not write into one folder."""
     words = ["--method", "mc", "--threshold", "1", "--max-evals", "1000", "--no-figures"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 import traceback
 from collections.abc import Callable, Iterator
@@ -57,7 +58,7 @@ def available_problems() -> dict[str, NamedProblem]:
         ("folding-wing-random-lengths", "the same with random lengths of crank and rod", 40_000),
         ("series", "series system, nonlinear response: a formula", 2_000_000),
         ("four-bar", "two four-bar linkages on a crank: a formula", 2_000_000),
-        ("stress-strength", "four redundant units under one stress: a formula", 2_000_000),
+        ("stress-strength", "redundant units under one stress: a formula", 2_000_000),
     )
     return {
         name: NamedProblem(name, description, _of_the_package(name), max_evals)
@@ -71,7 +72,8 @@ def named_problem(name: str) -> NamedProblem:
     Parameters
     ----------
     name
-        A name, or ``file.py:function`` for a function without arguments that returns a problem.
+        A name, or ``file.py:function`` for a function without arguments that returns a problem;
+        a problem itself may also stand there.
 
     Raises
     ------
@@ -110,16 +112,23 @@ def _of_a_file(file: Path, name: str) -> Callable[[], Problem]:
     if own is None:
         raise ValueError(f"name = '{file}:{name}': {file} has no function {name!r}")
 
+    wanted = f"{file}: {name} must be a function without arguments that returns a uqfold.Problem"
+
     def build() -> Problem:
         from uqfold.problems.base import Problem
 
+        if isinstance(own, Problem):
+            return own
+        try:
+            inspect.signature(own).bind()
+        except TypeError as error:
+            raise ValueError(f"{wanted}, but {error}") from None
+        except ValueError:  # a function that does not tell its arguments
+            pass
         with _told_by_line(file):
             built = own()
         if not isinstance(built, Problem):
-            raise ValueError(  # noqa: TRY004
-                f"{file}: {name} must be a function without arguments that returns a "
-                f"uqfold.Problem, but it returns {type(built).__name__}"
-            )
+            raise ValueError(f"{wanted}, but it returns {type(built).__name__}")  # noqa: TRY004
         return built
 
     return build
