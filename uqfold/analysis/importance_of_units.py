@@ -79,8 +79,8 @@ def importance_of_units(
         ``risk_achievement_worth`` and ``risk_reduction_worth`` (inf where the others cannot fail
         the system); the last five again with ``_independent``, as if nothing were shared by units
         and missions; ``shared_share``, 1 - ``pf_independent`` / ``pf``, and ``shared_correlation``
-        of the failures of two systems with the same shared inputs; ``status`` and ``message`` of
-        the surface's answer.
+        of the failures of two systems with the same shared inputs; ``std_error``, ``status`` and
+        ``message`` of the surface's answer for pf. The measures have no errors of their own.
 
     Raises
     ------
@@ -116,6 +116,7 @@ def importance_of_units(
                     **{f"{key}_independent": values[i] for key, values in apart.items()},
                     "shared_share": 1.0 - apart["pf"][i] / pf if pf > 0.0 else math.nan,
                     "shared_correlation": correlation,
+                    "std_error": given.answer.std_error,
                     "status": given.answer.status,
                     "message": given.answer.message,
                 }

@@ -42,7 +42,7 @@ def joint_failures(
         One row per threshold and pair: ``threshold``, ``unit`` and ``other``; ``pf_unit`` and
         ``pf_other`` of each alone; ``pf_both``, and ``pf_both_independent`` as if nothing were
         shared; ``correlation`` of the two failures; ``status`` and ``message`` of the surface's
-        answer.
+        answer for the system. The numbers of pairs have no errors of their own.
     """
     import pandas as pd
 
