@@ -1,12 +1,14 @@
 """The table on terminals of any width, and in files."""
 
 import io
+import math
 import re
 
 import pandas as pd
 import pytest
 from rich.console import Console
 
+import uqfold
 from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
 from uqfold.plots.wording import criterion_text, probability
 from uqfold.problems.criterion import criteria
@@ -147,3 +149,18 @@ def test_the_summary_counts_answers_and_errors(frame: pd.DataFrame) -> None:
     assert biased[1:9] == ["6", "of", "12", "20.0", "%", "20.0", "%", "250"]
     broken = next(line for line in lines[start:] if line[:1] == ["broken"])
     assert broken[1:7] == ["0", "of", "12", "-", "-", "0"]
+
+
+def test_where_stated_errors_come_from_is_one_line() -> None:
+    """It stood in the details of a result alone, and in the message of a doubted row."""
+    method = uqfold.methods.PolynomialChaos(runs=15, max_degree=2)
+    frame = uqfold.compare(
+        uqfold.testing.LinearNormalSystem().problem(), method, uqfold.criteria(12.0)
+    )
+    parts = frame.attrs["uqfold-comparison"]["error_parts"]["pce"]
+    assert list(parts) == ["training", "integration", "sampling"]
+    joint = math.hypot(*parts.values())
+    assert joint == pytest.approx(float(frame["std_error"].iloc[0] / frame["pf"].iloc[0]), rel=1e-6)
+    said = next(line for line in printed(frame, 200).splitlines() if "errors  " in line)
+    assert "pce training" in said
+    assert "integration" in said

@@ -106,6 +106,7 @@ class _Header(TypedDict):
     seed: int
     max_evals: int | None
     failed_runs: str
+    error_parts: NotRequired[dict[str, dict[str, float]]]
     reference: _Reference | None
     command: str
     date: str

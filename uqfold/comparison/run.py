@@ -18,6 +18,8 @@ from uqfold.methods.arguments import (
 )
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.registry import available, named
+from uqfold.methods.response_surface import ErrorParts
+from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
 
@@ -90,6 +92,8 @@ def run_comparison(
                 rows.append(comparison_row(problem.name, label, row, known))
             frame = rows_to_frame(rows)
             header = {**header, "finished": [*header["finished"], label]}
+            if parts := _error_parts(result):
+                header["error_parts"] = {**header.get("error_parts", {}), label: parts}
             frame.attrs[ATTRIBUTE] = header
             yield frame
 
@@ -176,6 +180,20 @@ def _told(how: Evaluator, progress: ComparisonProgress, label: str) -> Evaluator
             how.progress(n_evals, expected)
 
     return replace(how, progress=tell)
+
+
+def _error_parts(result: ReliabilityResult) -> dict[str, float]:
+    """What the stated errors of a surface consist of: parts of pf, root mean squares of rows."""
+    import numpy as np
+
+    errors = getattr(result.details, "errors", None)
+    pf = np.array([row.pf for row in result])
+    if not isinstance(errors, ErrorParts) or not (pf > 0.0).any():
+        return {}
+    return {
+        part: float(np.sqrt(np.mean((of_pf[pf > 0.0] / pf[pf > 0.0]) ** 2)))
+        for part, of_pf in vars(errors).items()
+    }
 
 
 def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:

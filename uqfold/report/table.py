@@ -20,6 +20,7 @@ from uqfold.plots.wording import (
     comparison_rows,
     criterion_key,
     criterion_text,
+    percent,
     probability,
     reference_resolution,
     scientific,
@@ -110,6 +111,13 @@ class ComparisonTable:
         left_out = [one for one in _MAY_GO if one not in columns]
         for word, meaning in _legend(header, rows, left_out).items():
             yield _noted(f"  {word:<11}", meaning, width, "dim")
+        parts = header.get("error_parts", {})
+        if parts:
+            each = "; ".join(
+                f"{label} {', '.join(f'{part} {percent(one)}' for part, one in own.items())}"
+                for label, own in parts.items()
+            )
+            yield _noted("  errors     ", f"stated ones of pf come from: {each}", width, "dim")
         for i, ((label, said), number) in enumerate(remarks(rows).items()):
             if not i:
                 yield ""
