@@ -90,10 +90,10 @@ def test_a_large_frame_is_read_in_seconds() -> None:
 
 @pytest.mark.parametrize("name", ["error", "pf", "std_error", "ci_high", "reference_pf"])
 def test_a_report_stands_any_number(frame: pd.DataFrame, name: str) -> None:
-    """``error = inf`` in a frame; one number in all its rows, and all numbers in one frame."""
+    """``error = inf`` in a frame; in all its rows, or one of many in one frame."""
     numbers = [math.inf, -math.inf, 1e308, 5e-324, -1.0]
     one = frame[(frame["label"] == "sampled") & frame["tau"].isna() & (frame["missions"] == "1")]
-    for values in (numbers[:3], numbers[2:], [math.inf]):
+    for values in (numbers, [math.inf]) if name == "error" else (numbers,):
         spoiled = one.copy()
         spoiled[name] = np.resize(values, len(spoiled))
         assert "</html>" in report_page(spoiled).html()

@@ -39,7 +39,17 @@ def loaded(folder: Path) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+LONG = ("design-to-target", "what-matters", "which-method")
+"""Studies whose reduced form takes long: `.ci/run` asks them beside the default tests."""
+
+
+@pytest.mark.parametrize(
+    "folder",
+    [
+        pytest.param(one, marks=[pytest.mark.slow] * (one.name in LONG), id=one.name)
+        for one in FOLDERS
+    ],
+)
 def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
     # a store of its own: nothing that an earlier run left is taken for a fresh result
     study = loaded(folder)
