@@ -33,6 +33,14 @@ def test_responses_that_differ_in_their_last_digits_are_doubted() -> None:
     assert math.isnan(row.ci_low)
 
 
+def test_a_hundred_runs_that_all_give_nought_are_doubted() -> None:
+    """Their process was so small that its inverse overflowed: `failed`, and a warning of NumPy."""
+    problem = uqfold.Problem(lambda x: 0.0 * x[:, 0], individual=stats.norm())
+    row = Kriging(runs=100).estimate(problem, uqfold.criteria(1.0), rng=0)[0]
+    assert (row.pf, row.status) == (0.0, "doubtful")
+    assert "all runs gave the same response" in row.message
+
+
 def test_no_failure_on_the_surface_is_no_certainty() -> None:
     """A thin band that no run has met: pf = 0 with an error of 0 is never converged."""
 

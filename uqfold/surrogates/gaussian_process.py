@@ -262,7 +262,7 @@ def fit_gaussian_process(
     centre, scale = centre_of(y), float(y.std())
     if scale <= 1e-14 * abs(centre):
         # a constant response: nothing to learn
-        nothing = Hyperparameters(np.full(u.shape[1], 3.0), 1e-300 + scale**2, 0.0)
+        nothing = Hyperparameters(np.full(u.shape[1], 3.0), 1e-200 + scale**2, 0.0)
         return GaussianProcess(u, y, kernel, indices[:1], nothing, rotation)
     if noise is not None and noise / scale > LARGEST_NOISE:
         remedy = f"give less; the responses have the standard deviation {scale:.3g}"
