@@ -1,17 +1,21 @@
 """A program whose external code starts processes that do not want to end; run to be killed.
 
-Words: how it is run (``threads``, ``processes``, ``direct``), a folder, a tag. Each run starts
-three sleeping processes that carry the tag, two of which leave its session: one after a double
-fork, with an empty environment.
+Words: how it is run (``threads``, ``processes``, ``slow``, ``direct``), a folder, a tag. Each run
+starts three sleeping processes that carry the tag, two of which leave its session: one after a
+double fork, with an empty environment.
 """
 
 import signal
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from uqfold.evaluation import Evaluator, ExternalCode, Processes, Regex
+from uqfold.evaluation import Evaluator, ExternalCode, Processes, Regex, guard
+from uqfold.typing import FloatArray
 
 SLEEPING = "import sys, time; open(sys.argv[2], 'w'); time.sleep(600)"
 FAMILY = """
@@ -58,6 +62,28 @@ def tagged(tag: str) -> list[int]:
     return found
 
 
+class SlowlyKilled:
+    """A model in whose worker process each kill takes a while, as where the machine is busy."""
+
+    def __init__(self, model: ExternalCode) -> None:
+        self.model = model
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Load it in a worker."""
+        self.__dict__.update(state)
+        kill = guard._kill
+
+        def slow(how: Callable[[int, int], None], process: int) -> None:
+            kill(how, process)
+            time.sleep(0.05)
+
+        guard._kill = slow
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Run the code."""
+        return self.model(x)
+
+
 def main(how: str, folder: str, tag: str) -> None:
     """Run four samples, which never end."""
     # a program started in the background may have inherited that Ctrl-C is ignored
@@ -70,7 +96,8 @@ def main(how: str, folder: str, tag: str) -> None:
         Evaluator().session(model, 1, None).evaluate(x)
     else:
         with Processes(2) as pool:
-            Evaluator(executor=pool).session(model, 1, None).evaluate(x)
+            run = SlowlyKilled(model) if how == "slow" else model
+            Evaluator(executor=pool).session(run, 1, None).evaluate(x)
 
 
 if __name__ == "__main__":

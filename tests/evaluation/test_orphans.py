@@ -42,7 +42,7 @@ def waited(true: Callable[[], bool]) -> bool:
         ("threads", signal.SIGTERM),
         ("processes", signal.SIGINT),
         ("processes", signal.SIGTERM),
-        ("processes", signal.SIGKILL),
+        ("slow", signal.SIGKILL),
         ("direct", signal.SIGINT),
     ],
 )

@@ -78,6 +78,14 @@ def _serve(line: Connection) -> None:
     adopt_orphans()
     signal.signal(signal.SIGTERM, _end)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    try:
+        _work(line)
+    finally:
+        # a model whose programs were killed may return while others are still to be killed
+        _end_what_was_started()
+
+
+def _work(line: Connection) -> None:
     model: Any = None
     while True:
         try:
@@ -108,6 +116,10 @@ def _end_with_parent() -> None:
 
 def _end(*_: object) -> NoReturn:
     """End this process, and whatever the model has started."""
+    _end_what_was_started()
+    os._exit(128 + signal.SIGTERM)
+
+
+def _end_what_was_started() -> None:
     if os.name == "posix":
         end_descendants()
-    os._exit(128 + signal.SIGTERM)
