@@ -151,6 +151,35 @@ class TestLinearNormal:
 
 
 class TestCurvedLimitStates:
+    def test_skewed_bounded_and_dependent_inputs_as_by_openturns_alone(self) -> None:
+        """The cantilever beam of OpenTURNS, with its own distributions, event and search."""
+        correlation = ot.CorrelationMatrix(4)
+        correlation[2, 3] = -0.2
+        copula = ot.NormalCopula(ot.NormalCopula.GetCorrelationFromSpearmanCorrelation(correlation))
+        force = ot.LogNormalMuSigma(30.0, 4.0).getDistribution()
+        marginals = (
+            ot.Normal(3e4, 2e3),
+            force,
+            ot.Uniform(250.0, 260.0),
+            ot.Beta(2.5, 4.0, 310, 450),
+        )
+        inputs = ot.JointDistribution(marginals, copula)
+        inputs.setDescription(["E", "F", "L", "I"])
+        g = ot.SymbolicFunction(["E", "F", "L", "I"], ["20 - F*L^3/(3*E*I)"])
+        event = ot.ThresholdEvent(
+            ot.CompositeRandomVector(g, ot.RandomVector(inputs)), ot.LessOrEqual(), 0.0
+        )
+        search = ot.AbdoRackwitz()
+        search.setStartingPoint(inputs.getMean())
+        direct = ot.FORM(search, event)
+        direct.run()
+        problem = uqfold.Problem.from_limit_state(lambda x: np.array(g(x))[:, 0], inputs)
+        beta = direct.getResult().getHasoferReliabilityIndex()
+        assert FORM.estimate(problem)[0].beta == pytest.approx(beta, abs=1e-3)
+        inputs.setCopula(ot.IndependentCopula(4))
+        independent = uqfold.Problem.from_limit_state(lambda x: np.array(g(x))[:, 0], inputs)
+        assert abs(FORM.estimate(independent)[0].beta - beta) > 0.02
+
     @pytest.mark.parametrize(
         ("g", "status"),
         [

@@ -14,12 +14,7 @@ from uqfold.validation.runner import Validation, measuring
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
 
-QUICK = {
-    "example_2_tail",
-    "mechanism_energy",
-    "ideal_joints",
-    "openturns_form",
-}
+QUICK = {"example_2_tail", "mechanism_energy"}
 """Cases whose faults take seconds; the others are slow."""
 
 
