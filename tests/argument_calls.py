@@ -28,6 +28,7 @@ from uqfold import (
     plots,
     problems,
     report,
+    system,
     testing,
     validation,
 )
@@ -247,6 +248,7 @@ def calls(folder: Path) -> dict[str, Call]:
     session = methods.Kriging(runs=6).start(problem, criterion, rng=1)
     saved = folder / "session.json"
     session.save(saved)
+    event = system.SystemEvent(problem, criterion)
     reference = problems.Reference(criterion, 0.1, 0.01)
     references = problems.ReferenceTable("p", "simulation", "so", "x", {criterion: reference})
     store = folder / "store.db"
@@ -258,6 +260,8 @@ def calls(folder: Path) -> dict[str, Call]:
         "rng": optional(count(1)).also("zero"),
         "evaluator": optional(thing(uqfold.Evaluator())),
     }
+    of_event = {"u": numbers([[0.0, 1.0, 2.0]])}
+    on_event = {**of_event, "evaluate": thing(response)}
     method = thing(cheap).except_for("none")
     surface = thing(methods.PolynomialChaos(runs=10, max_degree=1)).except_for("none")
     some_methods = thing(["ffni-spa"]).except_for("none")
@@ -693,6 +697,17 @@ def calls(folder: Path) -> dict[str, Call]:
                 "tolerance": Kind(0.01, np.float64(0.01)),
                 "controls": count(),
             },
+        ),
+        "system.SystemEvent": Call(
+            system.SystemEvent, {"problem": at, "criterion": thing(criterion)}
+        ),
+        "system.SystemEvent.missions": Call(event.missions, of_event),
+        "system.SystemEvent.evals": Call(event.evals, of_event),
+        "system.SystemEvent.rows": Call(event.rows, of_event),
+        "system.SystemEvent.margin": Call(event.margin, on_event),
+        "system.SystemEvent.margin_bounds": Call(event.margin_bounds, on_event),
+        "system.SystemEvent.bounds_of": Call(
+            event.bounds_of, {**of_event, "y": numbers([0.0, 1.0])}
         ),
         "methods.AskTellSession": Call(
             methods.AskTellSession, {"method": thing(methods.Kriging(runs=6)), **of, **run}

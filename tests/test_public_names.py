@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = [
     "uqfold", "uqfold.analysis", "uqfold.comparison", "uqfold.evaluation", "uqfold.inputs",
     "uqfold.mechanism", "uqfold.methods", "uqfold.plots", "uqfold.problems", "uqfold.report",
-    "uqfold.testing", "uqfold.validation",
+    "uqfold.system", "uqfold.testing", "uqfold.validation",
 ]  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from uqfold import (
     plots as plots,
     problems as problems,
     report as report,
+    system as system,
     testing as testing,
     validation as validation,
 )

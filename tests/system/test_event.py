@@ -13,7 +13,8 @@ import uqfold
 from uqfold import Binomial, Criterion
 from uqfold.inputs import normal
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
-from uqfold.system.event import SystemEvent, mission_fails, mission_margin
+from uqfold.system import SystemEvent
+from uqfold.system.event import Worst, mission_fails
 from uqfold.system.structure import SystemUnits
 from uqfold.testing import LinearNormalSystem
 from uqfold.typing import FloatArray
@@ -43,6 +44,18 @@ def works(y: list[float], threshold: float, tau: float | None) -> bool:
     if any(math.isinf(t) for t in y):
         return False
     return all(a - b <= tau for a in y for b in y)
+
+
+def mission_margin(
+    y: FloatArray,
+    threshold: float,
+    tau: float | None,
+    *,
+    missing_fails: bool,
+    units: SystemUnits | None = None,
+) -> FloatArray:
+    """Continuous margin of one mission."""
+    return Worst.of_missions(y, missing_fails=missing_fails, units=units).margin(threshold, tau)
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -216,7 +229,7 @@ class TestLayout:
 
     def test_wrong_width_is_refused(self) -> None:
         event = SystemEvent(linear_problem(), Criterion(11.0))
-        with pytest.raises(ValueError, match=r"expected \(N, 7\)"):
+        with pytest.raises(ValueError, match=r"shape \(N, 7\)"):
             event.margin(np.zeros((2, 6)), response)
 
     def test_other_systems_are_refused(self) -> None:
@@ -249,6 +262,55 @@ class TestLayout:
         lost = np.where(failed, np.nan, 0.5)
         assert mission_fails(lost, 1.0, None, missing_fails=True, units=units) == expected
         assert not mission_fails(lost, 1.0, None, missing_fails=False, units=units)
+
+    @pytest.mark.parametrize("missions", [2, Binomial(2, 0.4)])
+    def test_units_that_differ_in_any_structure(self, missions: int | Binomial) -> None:
+        """One event for other models, offsets and numbers of inputs; none of its variables idle."""
+
+        def valve(x: FloatArray) -> FloatArray:
+            return 9.0 + 0.4 * x[:, 0] + x[:, 1] * np.exp(0.2 * x[:, 2])
+
+        def pump(x: FloatArray) -> FloatArray:
+            return 9.5 - 0.3 * x[:, 0] + x[:, 1]
+
+        one = normal(0.0, 1.0)
+        problem = uqfold.Problem(
+            pump,
+            shared={"V": one},
+            individual={"U": one},
+            units=[
+                uqfold.Unit(name="a"),
+                uqfold.Unit(valve, [one] * 2, name="b"),
+                uqfold.Unit(offset=-0.4, name="c"),
+            ],
+            structure=uqfold.Structure("a & b | c"),
+        )
+        event = SystemEvent(problem, Criterion(10.0, missions=missions))
+        random = isinstance(missions, Binomial)
+        assert event.dimension == 1 + 2 * 4 + random
+        u = np.random.default_rng(5).standard_normal((200, event.dimension))
+        flown = event.missions(u)
+        expected = np.full(200, -INF)
+        for mission in range(2):
+            own = u[:, 1 + 4 * mission :]
+            a = pump(np.stack([u[:, 0], own[:, 0]], axis=1))
+            b = valve(np.stack([u[:, 0], own[:, 1], own[:, 2]], axis=1))
+            c = pump(np.stack([u[:, 0], own[:, 3]], axis=1)) - 0.4
+            margin = np.minimum(np.maximum(a, b), c) - 10.0
+            expected = np.where(flown > mission, np.maximum(expected, margin), expected)
+        seen = []
+
+        def evaluate(x: FloatArray) -> FloatArray:
+            seen.append(len(x))
+            return problem.kinds.model(x)
+
+        assert event.margin(u, evaluate) == pytest.approx(expected, abs=1e-12)
+        assert seen == [event.evals(u).sum()]
+        assert 0 < np.count_nonzero(expected > 0.0) < 100
+        lost = event.margin(u, lambda x: np.where(x[:, -1] == 1.0, NAN, problem.kinds.model(x)))
+        # without b the system fails if a and c do, or if c does and b might
+        assert set(np.flatnonzero(lost > 0.0)) <= set(np.flatnonzero(expected > 0.0))
+        assert np.isnan(lost).any()
 
 
 class TestFailedRuns:

@@ -1,20 +1,21 @@
 """The whole system as one event in standard-normal space, for simulation methods.
 
-A system of n units over m missions is one limit state of d_shared + n m d_individual independent
-standard-normal variables. A binomial number of missions adds one variable, so that the number
-itself is part of the sample. What "fails" means for one mission is written here once, as a
-decision (`mission_fails`) and as a continuous margin (`mission_margin`) of the same sign.
+A system of units over m missions is one limit state of independent standard-normal variables: the
+shared ones, and m times the individual ones of every unit. A binomial number of missions adds one
+variable, so that the number itself is part of the sample. What "fails" means is written here once,
+for every structure, as a decision and as a continuous margin of the same sign.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from uqfold.checks import array, function, keep
+from uqfold.checks import instance as checked
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.structure import SystemUnits
@@ -46,7 +47,8 @@ class Worst:
         if units is not None and units.diagram is not None:
             late = _response(y, units, missing_fails)
             return cls(late, np.full_like(late, -np.inf))
-        lowest, highest, missing = _extremes(y)
+        lowest, highest = np.fmin.reduce(y, axis=-1), np.fmax.reduce(y, axis=-1)
+        missing = np.isnan(y).any(axis=-1)
         with np.errstate(invalid="ignore", over="ignore"):
             # the difference of finite responses may overflow
             apart = np.minimum(highest - lowest, np.finfo(np.float64).max)
@@ -63,7 +65,13 @@ class Worst:
         return np.asarray(fails)
 
     def margin(self, threshold: float, tau: float | None) -> FloatArray:
-        """How far beyond T or tau each mission or system is: > 0 exactly where it `fails`."""
+        """How far beyond T or tau each mission or system is: > 0 exactly where it `fails`.
+
+        In series it is the larger of max t - T and (max t - min t) - tau; in any other structure
+        t - T with the response t at which the system passes from working to failing. Its sign is
+        that of the exact comparison, because the difference of two floats is zero only if they are
+        equal; +inf where an infinite response or a failed run fails it, -inf where nothing can.
+        """
         with np.errstate(invalid="ignore", over="ignore"):
             margin = np.where(np.isinf(self.late), self.late, self.late - threshold)
             if tau is not None:
@@ -110,69 +118,18 @@ def mission_fails(
     return Worst.of_missions(y, missing_fails=missing_fails, units=units).fails(threshold, tau)
 
 
-def mission_margin(
-    y: FloatArray,
-    threshold: float,
-    tau: float | None,
-    *,
-    missing_fails: bool,
-    units: SystemUnits | None = None,
-) -> FloatArray:
-    """Continuous margin of each mission: > 0 exactly where `mission_fails`.
-
-    In series the margin is the larger of max t - T and (max t - min t) - tau; in any other
-    structure t - T with the response t at which the system passes from working to failing. Its
-    sign is that of the exact comparison, because the difference of two floats is zero only if
-    they are equal.
-
-    Parameters
-    ----------
-    y, threshold, tau, missing_fails, units
-        As in `mission_fails`.
-
-    Returns
-    -------
-    FloatArray
-        Shape (...), in the unit of the response; +inf where an infinite response or a failed run
-        fails the mission, -inf where nothing can fail it.
-    """
-    y = y if units is None else units.shifted(y)
-    if units is not None and units.diagram is not None:
-        late = _response(y, units, missing_fails)
-        with np.errstate(invalid="ignore", over="ignore"):
-            return np.where(np.isinf(late), late, late - threshold)
-    lowest, highest, missing = _extremes(y)
-    with np.errstate(invalid="ignore", over="ignore"):
-        margin = np.where(np.isinf(highest), highest, highest - threshold)
-        if tau is not None and tau < math.inf:
-            margin = np.fmax(margin, (highest - lowest) - tau)
-    if tau is not None:
-        margin = np.where(np.isinf(lowest), np.inf, margin)
-    # NaN is left only where every run of the mission failed
-    margin = np.where(np.isnan(margin), -np.inf, margin)
-    return np.where(missing, np.inf, margin) if missing_fails else margin
-
-
 def _response(y: FloatArray, units: SystemUnits, missing_fails: bool) -> FloatArray:
     """Response of a system without tau, its failed runs as units that fail, or that work."""
     return units.response(np.where(np.isnan(y), np.inf if missing_fails else -np.inf, y))
-
-
-def _extremes(y: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Smallest and largest response of each mission among the runs that did not fail."""
-    return (
-        np.asarray(np.fmin.reduce(y, axis=-1)),
-        np.asarray(np.fmax.reduce(y, axis=-1)),
-        np.asarray(np.isnan(y).any(axis=-1)),
-    )
 
 
 @dataclass(frozen=True)
 class SystemEvent:
     """Failure of the whole system under one criterion, over independent standard-normal variables.
 
-    Columns of u: the shared variables, then the individual ones mission by mission and unit by
-    unit, then, for a binomial number of missions, the variable that decides how many are flown.
+    Columns of u: the shared variables, then those of each unit's own inputs, mission by mission and
+    unit by unit, then, for a binomial number of missions, the variable that decides how many are
+    flown. The variables of one kind of units are those of its inputs, in their order.
 
     Attributes
     ----------
@@ -183,14 +140,29 @@ class SystemEvent:
 
     Raises
     ------
+    TypeError
+        If they are not a Problem and a Criterion.
     ValueError
         If there is a tau and the structure is not a series.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from uqfold import Criterion
+    >>> from uqfold.problems import series
+    >>> problem = series()
+    >>> event = SystemEvent(problem, Criterion(2.0, missions=3))
+    >>> u = np.zeros((5, event.dimension))
+    >>> event.margin(u, problem.model).shape
+    (5,)
     """
 
     problem: Problem
     criterion: Criterion
 
     def __post_init__(self) -> None:
+        keep(self, "problem", checked, Problem, "give a Problem")
+        keep(self, "criterion", checked, Criterion, "give a Criterion")
         if self.criterion.tau is not None and self.units.diagram is not None:
             raise ValueError(f"{self.problem!r} has no system event under tau: give Series()")
 
@@ -207,9 +179,8 @@ class SystemEvent:
     @property
     def dimension(self) -> int:
         """Number of standard-normal variables."""
-        kinds = self.problem.kinds
-        individual = self.criterion.max_missions * self.problem.n_units * kinds.n_individual
-        return kinds.n_shared + individual + int(self.random_missions)
+        individual = self.criterion.max_missions * self._individual_in_mission
+        return self.problem.kinds.n_shared + individual + int(self.random_missions)
 
     @property
     def max_evals_per_sample(self) -> int:
@@ -235,13 +206,15 @@ class SystemEvent:
         u
             Standard-normal variables (N, dimension).
         evaluate
-            Gives responses (k,) of inputs X (k, d); called once, with the missions that are flown.
+            Gives responses (k,) of inputs X (k, d); called once, with all units of the missions
+            that are flown. In a method it is ``task.session.evaluate``, which counts its rows.
 
         Returns
         -------
         FloatArray
-            Largest margin over the missions (N,), in the unit of the response; -inf without a
-            mission, NaN where a failed run leaves the outcome open.
+            Largest margin over the missions (N,), in the unit of the response; +inf where an
+            infinite response fails the system, -inf without a mission, NaN where a failed run
+            leaves the outcome open.
         """
         low, high = self.margin_bounds(u, evaluate)
         return np.where((low > 0.0) | (low == high), low, np.nan)
@@ -249,36 +222,67 @@ class SystemEvent:
     def margin_bounds(
         self, u: FloatArray, evaluate: Callable[[FloatArray], FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
-        """Margins (N,) twice: failed runs ignored (low), and failed runs failing (high).
+        """Margins (N,) twice: failed runs as units that work (low), and as units that fail (high).
 
         The two agree where no run failed. Parameters as in `margin`.
         """
-        count = self.missions(u)
-        flown = np.arange(self.criterion.max_missions) < count[:, None]
-        y = evaluate(self._inputs(u, flown)).reshape(-1, self.problem.n_units)
+        function("evaluate", evaluate, "give a function of X (n, d)")
+        return self.bounds_of(u, evaluate(self.rows(u)))
+
+    def rows(self, u: FloatArray) -> FloatArray:
+        """Return the inputs X (k, d) of all runs that the samples u (N, dimension) need.
+
+        They go sample by sample, mission by mission and unit by unit, `evals` of them for each
+        sample; with several kinds of units the last column says of which kind one is.
+        """
+        inputs = self.problem.kinds
+        sample, mission = np.nonzero(self._flown(u))
+        own = np.append(self._checked(u), np.zeros((len(u), 1)), axis=1)
+        z = np.empty((sample.size, self.problem.n_units, inputs.dimension))
+        z[:, :, : inputs.n_shared] = own[sample, None, : inputs.n_shared]
+        z[:, :, inputs.n_shared :] = own[sample[:, None, None], self._columns[mission]]
+        return inputs.rows(z).reshape(-1, inputs.columns)
+
+    def bounds_of(self, u: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return `margin_bounds` of samples u from the responses y (k,) to their `rows`."""
+        flown = self._flown(u)
+        y = array("y", y, (int(flown.sum()) * self.problem.n_units,), finite=False)
+        of_missions = y.reshape(-1, self.problem.n_units)
         bounds = []
         for missing_fails in (False, True):
             margin = np.full(flown.shape, -np.inf)
-            margin[flown] = mission_margin(
-                y,
-                self.criterion.threshold,
-                self.criterion.tau,
-                missing_fails=missing_fails,
-                units=self.units,
-            )
+            margin[flown] = Worst.of_missions(
+                of_missions, missing_fails=missing_fails, units=self.units
+            ).margin(self.criterion.threshold, self.criterion.tau)
             bounds.append(margin.max(axis=1))
         return bounds[0], bounds[1]
 
-    def _inputs(self, u: FloatArray, flown: BoolArray) -> FloatArray:
-        """Return the inputs X (k n, d) of the k missions that are flown, sample by sample."""
-        inputs, units = self.problem.kinds, self.problem.n_units
-        sample, mission = np.nonzero(flown)
-        end = inputs.n_shared + flown.shape[1] * units * inputs.n_individual
-        individual = u[:, inputs.n_shared : end].reshape(*flown.shape, units, inputs.n_individual)
-        z = np.empty((sample.size, units, inputs.dimension))
-        z[:, :, : inputs.n_shared] = u[sample, None, : inputs.n_shared]
-        z[:, :, inputs.n_shared :] = individual[sample, mission]
-        return inputs.rows(z).reshape(-1, inputs.columns)
+    def _flown(self, u: FloatArray) -> BoolArray:
+        """Which missions (N, missions) are flown."""
+        return np.asarray(np.arange(self.criterion.max_missions) < self.missions(u)[:, None])
+
+    @property
+    def _individual_in_mission(self) -> int:
+        """Variables of all units of one mission that they do not share."""
+        kinds = self.problem.kinds
+        if kinds.of_units is None:
+            return self.problem.n_units * kinds.n_individual
+        return sum(kinds.inputs[kind].n_individual for kind in kinds.of_units.tolist())
+
+    @cached_property
+    def _columns(self) -> IntArray:
+        """Columns (missions, n, n_individual) of u with each unit's own variables.
+
+        A unit with fewer of them than others is led to the column behind the last.
+        """
+        kinds, units = self.problem.kinds, self.problem.n_units
+        of_units = np.zeros(units, dtype=np.int64) if kinds.of_units is None else kinds.of_units
+        own = np.array([one.n_individual for one in kinds.inputs])[of_units, None]
+        column = np.arange(kinds.n_individual)
+        first = (kinds.n_shared + np.cumsum(own) - own.ravel())[:, None]
+        mission = np.arange(self.criterion.max_missions)[:, None, None]
+        columns = first + column + mission * self._individual_in_mission
+        return np.where(column < own, columns, self.dimension)
 
     @cached_property
     def _mission_bounds(self) -> FloatArray:
@@ -297,6 +301,4 @@ class SystemEvent:
         return np.asarray(np.where(below < above, ndtri(below), -ndtri(above)))
 
     def _checked(self, u: FloatArray) -> FloatArray:
-        if u.ndim != 2 or u.shape[1] != self.dimension:
-            raise ValueError(f"u has shape {u.shape}, expected (N, {self.dimension})")
-        return u
+        return array("u", u, ("N", self.dimension))

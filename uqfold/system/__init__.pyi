@@ -1,0 +1,1 @@
+from uqfold.system.event import SystemEvent as SystemEvent
