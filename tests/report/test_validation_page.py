@@ -19,7 +19,7 @@ from uqfold.report.page.markup import inline_html
 from uqfold.report.validation_page import validation_page
 from uqfold.validation import CaseRecord, Finding, Measurement
 from uqfold.validation.case import Fault, load_cases
-from uqfold.validation.kept import Changes, fingerprint, report_discrepancies
+from uqfold.validation.kept import fingerprint
 from uqfold.validation.record import PlantedFault, write_case_record
 
 BROKEN = Measurement([Finding("largest difference", 3e-5, 2e-6, "s"), Finding("wings", 60)])
@@ -68,7 +68,7 @@ def test_the_summary_says_what_holds_and_what_does_not_and_why() -> None:
     answer, why, tone = said["What does not hold, and why?"]
     assert (answer, tone) == ("2 cases", "bad")
     assert "A broken case: largest difference: 3 × 10⁻⁵ s (at most 2 × 10⁻⁶ s)" in why
-    assert "Crashed: ZeroDivisionError: division by zero" in why
+    assert "Crashed: could not be measured: ZeroDivisionError: division by zero" in why
 
 
 def test_where_all_holds_nothing_is_blamed() -> None:
@@ -107,13 +107,13 @@ def test_many_failures_are_each_named_with_a_reason() -> None:
 
 def test_what_changed_is_said() -> None:
     """The time that cases took is no elapsed time."""
-    turned = Changes(("order was 'holds' and is 'does not hold'",))
-    page = validation_page([full_record()], {"a_case": turned})
+    turned = "order was 'holds' and is 'does not hold'"
+    page = validation_page([full_record()], {"a_case": [turned]})
     answer, why, tone = cards(page)["Is that what was found before?"]
     assert (answer, tone) == ("0 of 1 cases have the kept verdicts, 1 changed", "bad")
     assert "order was" in why
     assert "the times of the cases add up to 1.2 s" in page.lead
-    page = validation_page([full_record()], {"a_case": Changes()})
+    page = validation_page([full_record()], {"a_case": ()})
     answer, _, tone = cards(page)["Is that what was found before?"]
     assert (answer, tone) == ("Every verdict is the kept one", "good")
 
@@ -154,8 +154,7 @@ def test_the_report_carries_the_fingerprint_of_its_records(tmp_path: Path) -> No
     found = records()
     for name in ("report.html", "report.md"):
         (report, *_) = write_report(found, tmp_path / name)
-        assert report_discrepancies(report, found) == []
-        assert report_discrepancies(report, found[1:]) != []
+        assert fingerprint(found) in report.read_text(encoding="utf-8")
     assert fingerprint(found) != fingerprint(found[1:])
 
 

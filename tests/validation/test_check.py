@@ -4,7 +4,7 @@ from tests.validation.case_folder import DECLARED, MEASURE, make_case
 from tests.validation.records import full_record
 from uqfold.provenance import source_digest
 from uqfold.validation.case import Case, load_cases
-from uqfold.validation.kept import discrepancies, fingerprint, report_discrepancies
+from uqfold.validation.kept import discrepancies, fingerprint
 from uqfold.validation.record import read_case_record, write_case_record
 from uqfold.validation.runner import FRAME, Validation, changed_since, sources
 
@@ -51,19 +51,13 @@ def test_records_of_another_tier_and_missed_faults(cases: Path, tmp_path: Path) 
     assert "quick.json: the planted fault 'too large' went unnoticed" in found
 
 
-def test_a_report_carries_what_it_was_made_from(tmp_path: Path) -> None:
+def test_a_fingerprint_is_that_of_what_records_say(tmp_path: Path) -> None:
     first, second = full_record(), full_record(name="another")
     mark = fingerprint([first, second])
     assert mark == fingerprint([second, first])
     assert mark != fingerprint([first])
     read = read_case_record(write_case_record(first, tmp_path / "a.json"))
-    report = tmp_path / "report.md"
-    assert report_discrepancies(report, [first]) == ["there is no report"]
-    report.write_text(f"<!-- {fingerprint([read])} -->")
-    assert report_discrepancies(report, [read]) == []
-    assert report_discrepancies(report, [read, second]) == [
-        "the report was made from other records"
-    ]
+    assert fingerprint([read]) == fingerprint([first])
 
 
 def test_words_make_no_measurement_stale(cases: Path, tmp_path: Path) -> None:

@@ -38,7 +38,10 @@ def test_faults_that_went_unnoticed() -> None:
     unjudged = PlantedFault(Fault("coarse", "100 times the tolerance"), "cannot be judged")
     record = full_record(faults=(*full_record().faults, missed, unjudged))
     assert [fault.caught for fault in record.faults] == [True, None, False, False]
-    assert record.missed_faults == (missed, unjudged)
+    assert record.broken == (
+        "the planted fault 'biased' went unnoticed",
+        "the planted fault 'coarse' went unnoticed",
+    )
 
 
 def test_each_claim_of_a_fault_has_to_turn() -> None:

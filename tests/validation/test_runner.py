@@ -57,7 +57,7 @@ def test_a_fault_that_goes_unnoticed_is_recorded(cases: Path, tmp_path: Path, sp
     record = Validation("quick", tmp_path, faults=True).run(
         load_case(make_case(cases, measure=measure))
     )
-    assert [one.fault.name for one in record.missed_faults] == ["too large"]
+    assert record.broken == ("the planted fault 'too large' went unnoticed",)
     assert record.error == ""
 
 

@@ -17,15 +17,9 @@ from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
 from uqfold.report.table import text_lines
 from uqfold.report.validation_page import validation_page
-from uqfold.report.verdicts import counted, kept_text, print_verdicts
+from uqfold.report.verdicts import changed_words, counted, kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
-from uqfold.validation.kept import (
-    Changes,
-    changes,
-    discrepancies,
-    kept_records,
-    report_discrepancies,
-)
+from uqfold.validation.kept import changes, discrepancies, kept_records
 from uqfold.validation.record import (
     CaseRecord,
     existing_record,
@@ -44,7 +38,7 @@ def measure_cases(
     """Measure cases, report, and keep the records if asked to; return the exit code."""
     check_writable(validation.folder)
     records: list[CaseRecord] = []
-    found: dict[str, Changes] = {}
+    found: dict[str, tuple[str, ...]] = {}
     interrupted = False
     try:
         for case, record in _measured(cases, validation, invocation.interrupts.check):
@@ -65,10 +59,10 @@ def measure_cases(
         _print_outcome(records, found, [validation.folder, *reports])
     if interrupted:
         return EXIT_INTERRUPTED
-    if any(one.broken for one in found.values()):
+    if any(record.broken for record in records):
         return EXIT_BROKEN
     # with --update they are the kept ones from now on
-    return EXIT_CHANGED if not update and any(one.verdicts for one in found.values()) else 0
+    return EXIT_CHANGED if not update and any(found.values()) else 0
 
 
 def _measured(
@@ -91,14 +85,18 @@ def _measured(
 
 
 def _print_outcome(
-    records: Sequence[CaseRecord], found: Mapping[str, Changes], written: Sequence[Path]
+    records: Sequence[CaseRecord], found: Mapping[str, Sequence[str]], written: Sequence[Path]
 ) -> None:
     out = stdout_console(quiet=False)
     print_verdicts(out, records)
     folder, *reports = map(shown_path, written)
     lines = [
-        f"\nkept records: {kept_text(list(found.values()))}",
-        *(f"  {name}: {text}" for name, one in found.items() for text in one.words),
+        f"\nkept records: {kept_text(records, found)}",
+        *(
+            f"  {one.name}: {text}"
+            for one in records
+            for text in changed_words(one, found[one.name])
+        ),
         f"\nrecords: {folder}",
         *(f"report: {path}" for path in reports),
     ]
@@ -136,11 +134,11 @@ def check_cases(cases: Sequence[Case]) -> int:
     kept = kept_records(root)
     if {one.name for one in kept} <= set(found):
         report = root / KEPT_REPORT
-        wrong = report_discrepancies(report, kept)
-        if not wrong and validation_page(kept).markdown() != report.read_text(encoding="utf-8"):
-            wrong = ["the report is not what this code draws from the records"]
-        again = shlex.join(["uqfold", "report", shown_path(root), "--out", shown_path(report)])
-        found[KEPT_REPORT] = [f"{text}, remake it: {again}" for text in wrong]
+        drawn = report.read_text(encoding="utf-8") if report.is_file() else ""
+        if validation_page(kept).markdown() != drawn:
+            again = shlex.join(["uqfold", "report", shown_path(root), "--out", shown_path(report)])
+            wrong = f"the report is not what this code draws from the records, remake it: {again}"
+            found[KEPT_REPORT] = [wrong]
     for name, lines in found.items():
         for text in lines:
             say(f"{name}: {text}")

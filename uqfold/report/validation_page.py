@@ -13,6 +13,7 @@ from uqfold.report.page.markup import literal
 from uqfold.report.validation_case import case_anchor, case_section
 from uqfold.report.verdicts import (
     cases_table,
+    changed_words,
     counted,
     faults_text,
     kept_text,
@@ -20,7 +21,7 @@ from uqfold.report.verdicts import (
     reasons,
 )
 from uqfold.validation.findings import Verdict
-from uqfold.validation.kept import Changes, fingerprint
+from uqfold.validation.kept import fingerprint
 from uqfold.validation.record import CaseRecord
 
 _READING = {
@@ -36,7 +37,7 @@ _READING = {
 
 
 def validation_page(
-    records: Sequence[CaseRecord], changes: Mapping[str, Changes] | None = None
+    records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]] | None = None
 ) -> Page:
     """Return the report on validation cases.
 
@@ -45,7 +46,7 @@ def validation_page(
     records
         One for each case; nothing that they name is imported or run.
     changes
-        Name of a case -> what differs from its kept record; None: that was not looked at.
+        Name of a case -> the verdicts that are not the kept ones; None: that was not looked at.
 
     Raises
     ------
@@ -99,9 +100,7 @@ def _holds_card(page: Page, records: Sequence[CaseRecord], verdicts: Sequence[Ve
 
 
 def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
-    failing = [
-        one for one in records if one.verdict == "does not hold" or one.error or one.missed_faults
-    ]
+    failing = [one for one in records if one.verdict == "does not hold" or one.broken]
     unjudged = [one for one in records if one.verdict == "cannot be judged" and one not in failing]
     tone: Tone = "bad" if failing else "warn" if unjudged else "good"
     answer = counted(len(failing), "case") if failing else "Nothing"
@@ -109,10 +108,14 @@ def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
     page.card("What does not hold, and why?", answer, *why, tone=tone)
 
 
-def _kept_card(page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Changes]) -> None:
-    compared = [(one, changes[one.name]) for one in records if one.name in changes]
-    said = [_linked(record, text) for record, found in compared for text in found.words]
-    answer = kept_text([found for _, found in compared])
+def _kept_card(
+    page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]]
+) -> None:
+    compared = [one for one in records if one.name in changes]
+    said = [
+        _linked(one, text) for one in compared for text in changed_words(one, changes[one.name])
+    ]
+    answer = kept_text(compared, changes)
     answer = answer[0].upper() + answer[1:]
     page.card("Is that what was found before?", answer, *said, tone="bad" if said else "good")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import pandas as pd
 from rich.console import Console
@@ -14,7 +14,6 @@ from uqfold.plots.wording import seconds_text
 from uqfold.report.page.cells import TONES, Cell
 from uqfold.report.table import STYLES, text_lines
 from uqfold.validation.findings import Verdict
-from uqfold.validation.kept import Changes
 from uqfold.validation.record import CaseRecord
 
 _PRINTED = ("topic", "case", "verdict", "limits kept", "time")
@@ -71,17 +70,22 @@ def faults_text(records: Sequence[CaseRecord]) -> str:
     return f"{sum(planted)} of {len(planted)}"
 
 
-def kept_text(changes: Sequence[Changes]) -> str:
+def kept_text(records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]]) -> str:
     """Return whether the verdicts are the kept ones, in words."""
-    broken = sum(bool(one.broken) for one in changes)
-    changed = sum(bool(one.verdicts) and not one.broken for one in changes)
-    same = len(changes) - broken - changed
-    if same == len(changes):
+    broken = sum(bool(one.broken) for one in records)
+    changed = sum(bool(changes[one.name]) and not one.broken for one in records)
+    same = len(records) - broken - changed
+    if same == len(records):
         return "every verdict is the kept one"
-    words = [f"{same} of {len(changes)} cases have the kept verdicts"]
+    words = [f"{same} of {len(records)} cases have the kept verdicts"]
     words += [f"{changed} changed"] if changed else []
     words += [f"{broken} broke"] if broken else []
     return ", ".join(words)
+
+
+def changed_words(record: CaseRecord, turned: Sequence[str]) -> list[str]:
+    """Return what differs from the kept record of a case, what weighs most first."""
+    return [f"broken: {text}" for text in record.broken] + [f"changed: {text}" for text in turned]
 
 
 def counted(number: int, thing: str) -> str:
@@ -91,12 +95,8 @@ def counted(number: int, thing: str) -> str:
 
 def reasons(record: CaseRecord) -> list[str]:
     """Return why a case does not hold, or cannot be judged."""
-    said = [record.error] if record.error else []
-    if record.verdict != "holds":
-        said += [one.words for one in record.findings if one.verdict == record.verdict]
-    return said + [
-        f"the planted fault {one.fault.name!r} went unnoticed" for one in record.missed_faults
-    ]
+    judged = [one.words for one in record.findings if one.verdict == record.verdict]
+    return [*(judged if record.verdict != "holds" else []), *record.broken]
 
 
 def _listed(verdicts: Iterable[Verdict]) -> str:

@@ -82,25 +82,18 @@ class Finding:
     @property
     def verdict(self) -> Verdict | None:
         """Verdict of this number alone; None where it is only quoted."""
-        margin = self.margin
         if self.value is None:
             return "cannot be judged"
-        if margin is None:
+        if self.limit is None:
             return None
-        if math.isnan(margin):
+        # the difference of two infinities is NaN
+        beyond = 0.0 if self.value == self.limit else self.value - self.limit
+        if math.isnan(beyond):
             return "does not hold"
-        if self.uncertainty is not None and not abs(margin) > self.uncertainty:
+        if self.uncertainty is not None and not abs(beyond) > self.uncertainty:
             return "cannot be judged"
-        return "holds" if margin >= 0.0 else "does not hold"
-
-    @property
-    def margin(self) -> float | None:
-        """How far the value stays within its limit, negative beyond it; None without a limit."""
-        if self.value is None or self.limit is None:
-            return None
-        if self.value == self.limit:
-            return 0.0
-        return self.value - self.limit if self.at_least else self.limit - self.value
+        kept = beyond >= 0.0 if self.at_least else beyond <= 0.0
+        return "holds" if kept else "does not hold"
 
     @property
     def name(self) -> str:

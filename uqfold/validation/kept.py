@@ -8,41 +8,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from uqfold.validation.case import TIERS, Case, Tier, find_cases
-from uqfold.validation.record import (
-    CaseRecord,
-    RecordError,
-    read_case_record,
-    to_document,
-)
+from uqfold.validation.record import CaseRecord, RecordError, read_case_record, to_document
 from uqfold.validation.runner import changed_since, command
-
-
-@dataclass(frozen=True)
-class Changes:
-    """What differs from the kept record of a case; empty where the verdicts are the same.
-
-    Attributes
-    ----------
-    verdicts
-        Verdicts, of the case, its claims or its findings, that are not the kept ones.
-    broken
-        Why nothing can be said: no measurement, or planted faults that went unnoticed.
-    """
-
-    verdicts: tuple[str, ...] = ()
-    broken: tuple[str, ...] = ()
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """All of them, what weighs most first."""
-        return (
-            *(f"broken: {text}" for text in self.broken),
-            *(f"changed: {text}" for text in self.verdicts),
-        )
 
 
 def kept_records(cases: Path) -> list[CaseRecord]:
@@ -52,24 +22,19 @@ def kept_records(cases: Path) -> list[CaseRecord]:
     return [read_case_record(path) for path in first if path is not None]
 
 
-def changes(kept: CaseRecord | None, now: CaseRecord) -> Changes:
-    """Compare what was measured with the kept record of the same case and tier.
+def changes(kept: CaseRecord | None, now: CaseRecord) -> tuple[str, ...]:
+    """Return the verdicts, of a case, its claims or its findings, that are not the kept ones.
 
-    Without a kept record a case is expected to hold.
+    Without a kept record a case is expected to hold; one that could not be measured has none.
     """
     if now.error:
-        return Changes(broken=(f"could not be measured: {now.error}",))
-    broken = tuple(
-        f"the planted fault {one.fault.name!r} went unnoticed" for one in now.missed_faults
-    )
+        return ()
     if kept is None:
         text = "does not hold, and no record of another verdict is kept"
-        return Changes((text,) if now.verdict == "does not hold" else (), broken)
+        return (text,) if now.verdict == "does not hold" else ()
     was, found = _verdicts(kept), _verdicts(now)
     turned = [what for what in was if what in found and was[what] != found[what]]
-    return Changes(
-        tuple(f"{what} was {was[what]!r} and is {found[what]!r}" for what in turned), broken
-    )
+    return tuple(f"{what} was {was[what]!r} and is {found[what]!r}" for what in turned)
 
 
 def _verdicts(record: CaseRecord) -> dict[str, str]:
@@ -108,10 +73,8 @@ def _record_discrepancies(case: Case, tier: Tier) -> Iterator[str]:
             f"{path.name} of {record.date[:10]} was measured with other code ({', '.join(changed)})"
             f": {command(case, record.tier)} --update"
         )
-    if record.error:
-        yield f"{path.name} holds no measurement: {record.error}"
-    for one in record.missed_faults:
-        yield f"{path.name}: the planted fault {one.fault.name!r} went unnoticed"
+    for text in record.broken:
+        yield f"{path.name}: {text}"
 
 
 def fingerprint(records: Iterable[CaseRecord]) -> str:
@@ -121,12 +84,3 @@ def fingerprint(records: Iterable[CaseRecord]) -> str:
     """
     documents = sorted(json.dumps(to_document(one), sort_keys=True) for one in records)
     return hashlib.sha256("\n".join(documents).encode()).hexdigest()[:16]
-
-
-def report_discrepancies(report: Path, records: Sequence[CaseRecord]) -> list[str]:
-    """Return what is wrong with a report that should carry the fingerprint of these records."""
-    if not report.is_file():
-        return ["there is no report"]
-    if fingerprint(records) not in report.read_text(encoding="utf-8"):
-        return ["the report was made from other records"]
-    return []

@@ -77,11 +77,9 @@ class Table:
             If there are no rows, or their keys differ.
         """
         to_dict = getattr(rows, "to_dict", None)
-        listed = rows if to_dict is None else to_dict("records")
-        given = several("rows", listed, instance, Mapping, "give a dict of column -> cell")
-        if not given:
-            raise refused("rows", given, f"the table {title!r} has none, give at least one")
-        named = [mapping(f"rows[{i}]", row, _cell) for i, row in enumerate(given)]
+        named = several("rows", to_dict("records") if to_dict else rows, mapping, _cell)
+        if not named:
+            raise refused("rows", named, f"the table {title!r} has none, give at least one")
         columns = list(named[0])
         for i, row in enumerate(named):
             if list(row) != columns:

@@ -107,9 +107,12 @@ class CaseRecord:
         return claim_verdicts(self.measurement.claims, self.findings)
 
     @property
-    def missed_faults(self) -> tuple[PlantedFault, ...]:
-        """Planted faults that did not turn the verdict."""
-        return tuple(one for one in self.faults if one.caught is False)
+    def broken(self) -> tuple[str, ...]:
+        """Why it shows nothing: an error, or planted faults that did not turn the verdict."""
+        if self.error:
+            return (f"could not be measured: {self.error}",)
+        missed = [one.fault.name for one in self.faults if one.caught is False]
+        return tuple(f"the planted fault {name!r} went unnoticed" for name in missed)
 
 
 _RECORD = TypeAdapter(CaseRecord)

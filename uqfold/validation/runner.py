@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import cast
@@ -15,12 +16,7 @@ from typing import cast
 from uqfold.provenance import changed_parts, made_by, source_digest
 from uqfold.validation.case import DECLARATION, MEASURE, Case, CaseError, Tier
 from uqfold.validation.measurement import Measurement, claim_verdicts
-from uqfold.validation.record import (
-    CaseRecord,
-    PlantedFault,
-    existing_record,
-    write_case_record,
-)
+from uqfold.validation.record import CaseRecord, PlantedFault, existing_record, write_case_record
 from uqfold.validation.work import Work
 
 FRAME = ("uqfold.validation",)
@@ -74,9 +70,7 @@ class Validation:
         return None if untried or changed_since(record, case) else record
 
     def _measured(self, case: Case) -> CaseRecord:
-        def tell(done: int, total: int | None) -> None:
-            self.progress(case.name, done, total)
-
+        tell = partial(self.progress, case.name)
         tell(0, None)
         made = made_by(
             *sources(case),
@@ -111,20 +105,20 @@ def measuring(case: Case) -> Callable[[Work], Measurement]:
     Raises
     ------
     CaseError
-        If there is no such function, or another package takes the name of the cases' folder.
+        If there is no such function, or another package has the name of the cases' folder.
     """
     cases = case.folder.parent
-    if cases.name in sys.stdlib_module_names:
-        # on the path it would hide Python's own module from everything that follows
-        raise CaseError(f"{cases.name!r} is the name of a module of Python: rename the folder")
     if str(cases.parent) not in sys.path:
-        sys.path.insert(0, str(cases.parent))
-    module = importlib.import_module(f"{cases.name}.{case.folder.name}.measure")
-    if Path(str(module.__file__)).resolve() != (case.folder / MEASURE).resolve():
+        # at the end, where it hides nothing
+        sys.path.append(str(cases.parent))
+    package = find_spec(cases.name)
+    places = package.submodule_search_locations if package else None
+    if not any(Path(place).resolve() == cases for place in places or ()):
         raise CaseError(
-            f"{case.name}: Python finds {module.__name__} elsewhere: rename the folder "
-            f"{cases.name!r}, or start from the folder that holds it"
+            f"Python finds another module {cases.name!r}: rename the folder, or start from the "
+            "folder that holds it"
         )
+    module = importlib.import_module(f"{cases.name}.{case.folder.name}.measure")
     function = getattr(module, "measure", None)
     if not callable(function):
         raise CaseError(f"{case.folder.name}/{MEASURE} defines no function measure(work)")
