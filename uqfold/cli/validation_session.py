@@ -132,7 +132,7 @@ def check_cases(cases: Sequence[Case]) -> int:
     found = {case.name: discrepancies(case) for case in cases}
     root = cases[0].folder.parent
     kept = kept_records(root)
-    if {one.name for one in kept} <= set(found):
+    if kept and {one.name for one in kept} <= set(found):
         report = root / KEPT_REPORT
         drawn = report.read_text(encoding="utf-8") if report.is_file() else ""
         if validation_page(kept).markdown() != drawn:
