@@ -724,6 +724,7 @@ def calls(folder: Path) -> dict[str, Call]:
             {
                 "blocks": optional(count()),
                 "missions_per_draw": count(),
+                "partner_blocks": count().also("zero"),
                 "target_cov": number(),
             },
         ),

@@ -1,6 +1,7 @@
 """Conditional Monte Carlo: against exact systems, and what its rows say."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from uqfold.methods import ConditionalMonteCarlo, MonteCarlo
 from uqfold.methods.conditional_sums import BLOCK_DRAWS
 from uqfold.problems import series
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.typing import Model
 from uqfold.testing.linear_normal import LinearNormalSystem
 
 SYSTEM = LinearNormalSystem(units=4, shared_std=0.8)
@@ -31,6 +33,76 @@ def test_answers_are_those_of_the_exact_system() -> None:
     assert np.all(np.abs(pf.mean(axis=0) - exact) < 5.0 * error / math.sqrt(40))
     ratio = error / np.sqrt((stated**2).mean(axis=0))
     assert np.all(np.abs(ratio - 1.0) < 5.0 / math.sqrt(2 * 39))
+
+
+def with_partner(partner: Model | None, model: Model = SYSTEM.response) -> Problem:
+    individual = {"U": normal(0.0, 1.0), "W": normal(0.0, 1.0)}
+    return Problem(
+        model, shared={"V": normal(0.0, 1.0)}, individual=individual, units=4, low_fidelity=partner
+    )
+
+
+def test_a_partner_divides_the_variance_and_leaves_no_bias() -> None:
+    """The partner as control variate: mean, stated error and gain over 12 seeds; failed runs."""
+    asked = criteria([11.0, 12.0])
+    exact = np.array([SYSTEM.pf(criterion) for criterion in asked])
+    plain = ConditionalMonteCarlo(blocks=20, missions_per_draw=1)
+    method = replace(plain, partner_blocks=4)
+    results = [method.estimate(SYSTEM.problem(), asked, rng=seed) for seed in range(12)]
+    pf = np.array([result.pf for result in results])
+    stated = np.array([[row.std_error for row in result] for result in results])
+    error = np.sqrt((stated**2).mean(axis=0))
+    assert np.all(np.abs(pf.mean(axis=0) - exact) < 4.0 * error / math.sqrt(12))
+    assert np.all(pf.std(axis=0, ddof=1) < (1.0 + 4.0 / math.sqrt(24)) * error)
+    alone = [plain.estimate(SYSTEM.problem(), asked, rng=seed) for seed in range(4)]
+    assert np.all(error < 0.7 * np.array([[row.std_error for row in one] for one in alone]).mean(0))
+    assert np.nanmedian([result.details.gain for result in results]) > 2.0
+    assert results[0].details.partner_evals == 5 * results[0].n_evals
+    # a failed run is a failure in pf, and a safe one in pf_low
+    problem = with_partner(
+        SYSTEM.partner, lambda x: np.where(x[:, 1] > 2.0, np.nan, SYSTEM.response(x))
+    )
+    row = method.estimate(problem, asked[0], rng=1)[0]
+    assert 0.0 < row.pf_low < row.pf == row.pf_high
+
+
+@pytest.mark.parametrize(
+    ("partner", "blocks", "message", "share"),
+    [
+        (lambda x: 10.0 + np.sin(1e3 * x[:, 1]), 12, "the partner is of no use", 1),
+        (lambda x: np.full(len(x), np.nan), 12, "the partner failed", 1),
+        (SYSTEM.partner, 9, "9 blocks are too few to ask the partner", 0),
+    ],
+    ids=["of no use", "broken", "few blocks"],
+)
+def test_a_partner_of_no_use_costs_its_runs_on_the_blocks_of_the_model_and_says_so(
+    partner: Model, blocks: int, message: str, share: int
+) -> None:
+    """The answer is then that without a partner."""
+    plain = ConditionalMonteCarlo(blocks=blocks, missions_per_draw=1)
+    problem, method = with_partner(partner), replace(plain, partner_blocks=5)
+    alone, result = (one.estimate(problem, Criterion(11.0), rng=1) for one in (plain, method))
+    assert message in result[0].message
+    for name in ("pf", "std_error", "ci_low", "ci_high", "status"):
+        assert getattr(result[0], name) == getattr(alone[0], name)
+    assert result.details.partner_evals <= share * result.n_evals
+    assert np.isnan(result.details.gain).all()
+
+
+def test_a_partner_that_is_not_there_is_unsupported() -> None:
+    method = ConditionalMonteCarlo(partner_blocks=5)
+    result = method.estimate(with_partner(None), Criterion(11.0), rng=1)
+    assert (result[0].status, result.n_evals) == ("unsupported", 0)
+    assert "partner_blocks = 5 needs a cheaper partner" in result[0].message
+
+
+def test_a_partner_seen_wrong_too_rarely_is_doubted() -> None:
+    """Right in all draws but a few, it leaves a small error that nobody has seen the whole of."""
+    problem = with_partner(lambda x: SYSTEM.response(x) + np.where(x[:, 0] > 2.5, 3.0, 0.0))
+    method = ConditionalMonteCarlo(blocks=24, missions_per_draw=1, partner_blocks=2)
+    rows = [method.estimate(problem, Criterion(11.0), rng=seed)[0] for seed in range(5)]
+    assert {row.status for row in rows} == {"doubtful"}
+    assert all("model and partner differ in" in row.message for row in rows)
 
 
 def test_shared_inputs_drawn_anew_would_be_seen() -> None:

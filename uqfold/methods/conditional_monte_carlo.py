@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +13,8 @@ from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.conditional_sums import BLOCK_DRAWS, ConditionalSums
+from uqfold.methods.partner_control import PartnerControl
+from uqfold.methods.partner_sample import without_partner
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
 from uqfold.methods.theory import Theory
@@ -41,11 +43,19 @@ class ConditionalMonteCarloDetails:
         Missions simulated for each shared draw.
     failing_draws
         Shared draws (n_criteria,) with at least one failure.
+    partner_evals, partner_failed
+        Runs of the partner, and how many of them failed. They are no evaluations of the problem.
+    gain
+        How many times the partner has divided the variance (n_criteria,); NaN where it was of no
+        use, None where it was not to be asked.
     """
 
     blocks: int
     missions_per_draw: int
     failing_draws: IntArray
+    partner_evals: int = 0
+    partner_failed: int = 0
+    gain: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +78,10 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     missions_per_draw
         Missions simulated for each shared draw: at least this many, and at least as many as the
         criteria name.
+    partner_blocks
+        Blocks of the problem's `low_fidelity` partner for each block of the model. The partner also
+        answers the model's own blocks, and what it gets wrong there by chance, of which its mean
+        over all others tells, is taken off the answer (a control variate). 0: it is not asked.
     target_cov
         Largest standard error, relative to pf, of a row that is not ``doubtful``.
 
@@ -84,6 +98,10 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     too skewed for the interval of a mean. The interval then goes on to what shared inputs that no
     draw has shown may add, by the bound of Clopper and Pearson for as many systems as there are
     shared draws.
+
+    A partner leaves the answer without bias, whatever it is (``docs/multifidelity.md``); one that
+    is of no use costs its runs on the model's own blocks, and the row says so. Its runs are counted
+    in `ConditionalMonteCarloDetails`.
     """
 
     name: ClassVar[str] = "conditional-mc"
@@ -95,11 +113,13 @@ class ConditionalMonteCarlo(ReliabilityMethod):
 
     blocks: int | None = None
     missions_per_draw: int = 4
+    partner_blocks: int = 0
     target_cov: float = TARGET_COV
 
     def __post_init__(self) -> None:
         keep(self, "blocks", or_none, whole, at_least=2)
         keep(self, "missions_per_draw", whole, at_least=1)
+        keep(self, "partner_blocks", whole, at_least=0)
         keep(self, "target_cov", real, above=0.0)
 
     @property
@@ -108,8 +128,11 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Return why not, or None: the reasons of the base, and systems too large to be drawn."""
-        return super().supports(problem, criterion) or too_large(self.name, problem, criterion)
+        """Return why not, or None: the base's reasons, large systems, a missing partner."""
+        reason = super().supports(problem, criterion) or too_large(self.name, problem, criterion)
+        if reason is None and self.partner_blocks > 0:
+            return without_partner(f"partner_blocks = {self.partner_blocks}", problem)
+        return reason
 
     def _solve(self, task: Task) -> Solution:
         missions = max(self.missions_per_draw, *(c.max_missions for c in task.criteria))
@@ -134,27 +157,42 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         values = per_block * max(task.problem.kinds.dimension, ARRANGEMENTS)
         at_once = max(1, min(CHUNK_BLOCKS, BLOCK_VALUES // values))
 
+        def drawn(first: int, count: int) -> Iterator[tuple[FloatArray, IntArray]]:
+            for start in range(first, first + count, at_once):
+                chunk = range(start, min(start + at_once, first + count))
+                x, ways = zip(*(_draw(task, missions, block) for block in chunk), strict=True)
+                yield np.concatenate(x), np.stack(ways)
+
         def rows() -> Iterator[FloatArray]:
-            for first in range(0, planned, at_once):
-                chunk = range(first, min(first + at_once, planned))
-                drawn = [_draw(task, missions, block) for block in chunk]
-                arrangements.append(np.stack([ways for _, ways in drawn]))
-                yield np.concatenate([x for x, _ in drawn])
+            for x, ways in drawn(0, planned):
+                arrangements.append(ways)
+                yield x
 
         missing, stopped = wanted - planned, ""
+        found = []
         try:
             for y in task.session.stream(rows()):
-                sums.add(y, arrangements.popleft())
+                found.append(sums.add(y, arrangements.popleft()))
         except TimeLimitError as error:
             complete = error.responses.size // per_block
             if complete:
                 ways = arrangements.popleft()[:complete]
-                sums.add(error.responses[: complete * per_block], ways)
+                found.append(sums.add(error.responses[: complete * per_block], ways))
             if sums.blocks < 2:
                 raise
             missing, stopped = wanted - sums.blocks, str(error)
         estimates = [sums.estimate(i, missing, stopped) for i in range(len(task.criteria))]
         details = ConditionalMonteCarloDetails(sums.blocks, missions, sums.failing)
+        if self.partner_blocks > 0:
+            blocks = np.concatenate(found, axis=-1)
+            control = PartnerControl.of(task, missions, blocks, drawn, self.partner_blocks)
+            estimates = [control.corrected(one, i) for i, one in enumerate(estimates)]
+            details = replace(
+                details,
+                partner_evals=control.evals,
+                partner_failed=control.failed,
+                gain=control.gain(),
+            )
         return Solution(estimates, details)
 
 

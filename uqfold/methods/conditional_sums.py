@@ -53,8 +53,14 @@ class ConditionalSums:
         for i, c in enumerate(self.criteria):
             self.asked.setdefault((c.threshold, c.tau), []).append(i)
 
-    def add(self, responses: FloatArray, ways: IntArray) -> None:
-        """Take in the responses of some blocks, and the arrangements of these."""
+    def add(self, responses: FloatArray, ways: IntArray) -> FloatArray:
+        """Take in the responses of some blocks, and the arrangements of these.
+
+        Returns
+        -------
+        FloatArray
+            The estimates (2, n_criteria, blocks) of each block, rows as those of the class.
+        """
         y = responses.reshape(len(ways), BLOCK_DRAWS, -1)
         variants = (True, False) if np.isnan(y).any() else (True,)
         estimates = np.empty((2, len(self.criteria), len(ways)))
@@ -91,6 +97,7 @@ class ConditionalSums:
         self.squares += ((estimates - own[:, :, None]) ** 2).sum(axis=2)
         self.squares += change**2 * before * share
         self.mean += change * share
+        return estimates
 
     def _by_missions(self, tau: float | None) -> bool:
         """Whether missions are counted, since failures of units do not tell those of a mission."""

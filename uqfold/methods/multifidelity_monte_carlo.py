@@ -14,7 +14,7 @@ from uqfold.evaluation import EvaluationSession, TimeLimitError
 from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.partner_allocation import MarginFit, NearestFirst, Plan, parts_of, planned
-from uqfold.methods.partner_sample import Partner, PartnerError
+from uqfold.methods.partner_sample import Partner, PartnerError, without_partner
 from uqfold.methods.partner_sums import PartnerSums
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.steps import Steps
@@ -142,11 +142,7 @@ class MultifidelityMonteCarlo(SequentialMethod):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why not, or None: the reasons of the base, a missing partner, large systems."""
         reason = super().supports(problem, criterion) or too_large(self.name, problem, criterion)
-        if reason is None and problem.kinds.partner is None:
-            own = len(problem.kinds.models) > 1
-            wanted = "Unit(low_fidelity=...) beside its own model" if own else "low_fidelity="
-            return f"{self.name} needs a cheaper partner of every model: give {wanted}"
-        return reason
+        return reason or without_partner(self.name, problem)
 
     def _steps(self, task: Task) -> Steps:
         session = task.session

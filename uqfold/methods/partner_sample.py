@@ -23,6 +23,7 @@ import numpy as np
 from uqfold.evaluation import EvaluationSession, FailedRunError, ModelError
 from uqfold.methods.base import Task
 from uqfold.methods.system_sample import SystemBlock, block_systems, draw_systems
+from uqfold.problems.base import Problem
 from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray
 
@@ -82,6 +83,23 @@ class PartnerError(RuntimeError):
     """The partner cannot be run, or its first runs all fail."""
 
 
+def without_partner(name: str, problem: Problem) -> str | None:
+    """Return why a method that asks the partner of every model cannot answer, or None.
+
+    Parameters
+    ----------
+    name
+        Name of the method, or of its setting.
+    problem
+        What is asked about.
+    """
+    if problem.kinds.partner is not None:
+        return None
+    own = len(problem.kinds.models) > 1
+    wanted = "Unit(low_fidelity=...) beside its own model" if own else "low_fidelity="
+    return f"{name} needs a cheaper partner of every model: give {wanted}"
+
+
 class Partner:
     """The partner of a problem's model, and the systems drawn to be judged by it.
 
@@ -105,13 +123,23 @@ class Partner:
 
         Raises
         ------
+        PartnerError, TimeLimitError
+            As `responses` does.
+        """
+        return block.margins(self.responses(block.x), missing_fails=True)
+
+    def responses(self, x: FloatArray) -> FloatArray:
+        """Return the partner's responses (n,) to rows (n, d); NaN marks its failed runs.
+
+        Raises
+        ------
         PartnerError
             If it cannot be run, or its first runs all fail.
         TimeLimitError
             If the time is over.
         """
         try:
-            return block.margins(self.session.evaluate(block.x), missing_fails=True)
+            return self.session.evaluate(x)
         except (FailedRunError, ModelError) as error:
             raise PartnerError(f"the partner failed: {error}") from error
 
