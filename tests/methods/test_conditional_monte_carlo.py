@@ -12,8 +12,8 @@ from uqfold.methods import ConditionalMonteCarlo, MonteCarlo
 from uqfold.methods.conditional_sums import BLOCK_DRAWS
 from uqfold.problems import series
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.typing import Model
 from uqfold.testing.linear_normal import LinearNormalSystem
+from uqfold.typing import Model
 
 SYSTEM = LinearNormalSystem(units=4, shared_std=0.8)
 GRID = criteria([11.0, 12.5], tau=[None, 2.5], missions=[1, 2, 5, Binomial(5, 0.6)])
