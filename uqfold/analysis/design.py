@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -123,14 +123,14 @@ class Design:
     value: float
     low: float
     high: float
-    scan: Scan
+    scan: Scan = field(repr=False)
     criterion: Criterion
     method: str
     n_evals: int
     n_reused: int
     seconds: float
     seed: int
-    place: Callable[[float], tuple[Problem, Criterion]]
+    place: Callable[[float], tuple[Problem, Criterion]] = field(repr=False)
 
     @property
     def safe(self) -> float:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -34,6 +34,7 @@ from uqfold.methods.arguments import (
     checked_evaluator,
 )
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
+from uqfold.methods.tabular import Tabular
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria
@@ -45,7 +46,7 @@ from uqfold.system.synchronized import mission_probability
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 _Response: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -83,8 +84,8 @@ class PairedDifference:
     std_error: float
 
 
-@dataclass(frozen=True)
-class PairedDifferences:
+@dataclass(frozen=True, repr=False)
+class PairedDifferences(Tabular[PairedDifference]):
     """Differences of two problems with the same random numbers, one row per criterion.
 
     Attributes
@@ -104,12 +105,7 @@ class PairedDifferences:
     n_evals: int
     seed: int
 
-    def to_frame(self) -> pd.DataFrame:
-        """One pandas row per criterion."""
-        import pandas as pd
-
-        columns = [field.name for field in fields(PairedDifference)]
-        return pd.DataFrame([asdict(row) for row in self.rows], columns=columns)
+    _SHOWN = ("threshold", "tau", "missions", "pf", "pf_other", "difference", "std_error")
 
 
 def paired_differences(

@@ -13,18 +13,19 @@ analysis. AIAA Journal 32 (1994) 1717-1723.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from uqfold.checks import choice, names, refused
 from uqfold.inputs.score import Moment
 from uqfold.methods.result import ErrorKind, Status
+from uqfold.methods.tabular import Tabular
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 CONFIDENT = 1.96
 """Quantile of the normal distribution behind a 95 % interval."""
@@ -129,8 +130,8 @@ class PfDerivative:
         return self.derivative - reach, self.derivative + reach
 
 
-@dataclass(frozen=True)
-class PfDerivatives:
+@dataclass(frozen=True, repr=False)
+class PfDerivatives(Tabular[PfDerivative]):
     """Derivatives for all criteria and parameters, criteria first.
 
     Attributes
@@ -150,18 +151,18 @@ class PfDerivatives:
     seconds: float
     seed: int
 
-    def __iter__(self) -> Iterator[PfDerivative]:
-        return iter(self.rows)
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def to_frame(self) -> pd.DataFrame:
-        """One pandas row per criterion and parameter."""
-        import pandas as pd
-
-        columns = [field.name for field in fields(PfDerivative)]
-        return pd.DataFrame([asdict(row) for row in self.rows], columns=columns)
+    _SHOWN = (
+        "threshold",
+        "tau",
+        "missions",
+        "input",
+        "moment",
+        "pf",
+        "derivative",
+        "std_error",
+        "per_std",
+        "status",
+    )
 
 
 @dataclass(frozen=True)

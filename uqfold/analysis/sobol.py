@@ -23,9 +23,9 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from copy import copy
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
@@ -40,6 +40,7 @@ from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_
 from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import ErrorKind
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
+from uqfold.methods.tabular import Tabular
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.problems.structure import Series
@@ -48,7 +49,7 @@ from uqfold.surrogates.polynomial_chaos import PolynomialChaosExpansion
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 Order: TypeAlias = Literal["main", "total"]
 
@@ -93,8 +94,8 @@ class SobolIndex:
     method: str
 
 
-@dataclass(frozen=True)
-class SobolIndices:
+@dataclass(frozen=True, repr=False)
+class SobolIndices(Tabular[SobolIndex]):
     """Indices of all inputs, main ones first, then that of all shared inputs, then total ones.
 
     Attributes
@@ -117,15 +118,7 @@ class SobolIndices:
     seconds: float
     seed: int
 
-    def __iter__(self) -> Iterator[SobolIndex]:
-        return iter(self.rows)
-
-    def to_frame(self) -> pd.DataFrame:
-        """One pandas row per index."""
-        import pandas as pd
-
-        columns = [field.name for field in fields(SobolIndex)]
-        return pd.DataFrame([asdict(row) for row in self.rows], columns=columns)
+    _SHOWN = ("input", "order", "index", "std_error", "ci_low", "ci_high", "error_kind", "method")
 
 
 def pick_freeze(

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from uqfold.checks import keep, or_none, real, text, whole
+from uqfold.methods.tabular import Tabular
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 Status: TypeAlias = Literal[
     "converged", "unchecked", "budget_exhausted", "doubtful", "unsupported", "failed"
@@ -139,9 +140,11 @@ class CriterionResult:
     seed: int
 
 
-@dataclass(frozen=True)
-class ReliabilityResult:
+@dataclass(frozen=True, repr=False)
+class ReliabilityResult(Tabular[CriterionResult]):
     """Answers of one method run, one row per criterion, in the order of the criteria.
+
+    It prints as a short table; `to_frame` has all that is known of each row.
 
     Attributes
     ----------
@@ -158,18 +161,14 @@ class ReliabilityResult:
     rows: tuple[CriterionResult, ...]
     details: Any = None
 
+    _SHOWN = (
+        "threshold", "tau", "missions", "pf", "std_error", "ci_low", "ci_high", "n_evals_row",
+        "status",
+    )  # fmt: skip
+
     def __post_init__(self) -> None:
         if len(self.criteria) != len(self.rows):
             raise ValueError(f"{len(self.rows)} rows for {len(self.criteria)} criteria")
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def __iter__(self) -> Iterator[CriterionResult]:
-        return iter(self.rows)
-
-    def __getitem__(self, index: int) -> CriterionResult:
-        return self.rows[index]
 
     @property
     def pf(self) -> FloatArray:
@@ -205,12 +204,6 @@ class ReliabilityResult:
         """One dictionary per row, in the columns of `CriterionResult`."""
         names = [field.name for field in fields(CriterionResult)]
         return [{name: getattr(row, name) for name in names} for row in self.rows]
-
-    def to_frame(self) -> pd.DataFrame:
-        """One pandas row per criterion."""
-        import pandas as pd
-
-        return pd.DataFrame(self.to_records())
 
 
 @dataclass(frozen=True)

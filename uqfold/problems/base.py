@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,17 +22,16 @@ from uqfold.checks import (
     names as checked_names,
 )
 from uqfold.inputs import JointInputs, joint_inputs, product_inputs
-from uqfold.problems.criterion import Criteria, criteria
+from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criteria, criteria
 from uqfold.problems.responses import numbers_in
 from uqfold.problems.structure import Series, SystemStructure, checked_structure
 from uqfold.problems.units import Unit, UnitKinds, checked_units
 from uqfold.typing import FloatArray, Model
 
 if TYPE_CHECKING:
-    from uqfold.problems.reference import ReferenceTable
+    import pandas as pd
 
-LIMIT_STATE_THRESHOLD = float(np.nextafter(0.0, -1.0))
-"""Threshold of a plain limit state: failure is g <= 0, so y = -g works only below zero."""
+    from uqfold.problems.reference import ReferenceTable
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -255,6 +255,42 @@ class Problem:
             f"Problem({self.name!r}, {self.inputs!r}, units={self.n_units}, "
             f"structure={self.structure!r})"
         )
+
+    def __str__(self) -> str:
+        return f"{self._headline()}\n{self._table().to_string(index=False)}"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return f"<p>{escape(self._headline())}</p>{self._table().to_html(index=False, border=0)}"
+
+    def _headline(self) -> str:
+        response = (
+            f"{self.response} ({self.response_unit})" if self.response_unit else self.response
+        )
+        units = "1 unit" if self.n_units == 1 else f"{self.n_units} units, {self.structure!r}"
+        return f"{self.name}: {response}, {units}"
+
+    def _table(self) -> pd.DataFrame:
+        """Return one row of text for each input."""
+        import pandas as pd
+
+        inputs = self.inputs
+        moments = zip(inputs.means, inputs.standard_deviations, strict=True)
+        rows = [
+            {
+                "input": name,
+                "unit": unit,
+                "shared": "yes" if i < inputs.n_shared else "",
+                "distribution": str(column),
+                "mean": f"{mean:.6g}",
+                "std": f"{std:.6g}",
+            }
+            for i, (name, unit, column, (mean, std)) in enumerate(
+                zip(inputs.names, self.input_units, inputs.columns, moments, strict=True)
+            )
+        ]
+        silent = [] if any(self.input_units) else ["unit"]
+        return pd.DataFrame(rows).drop(columns=silent)
 
 
 @dataclass(frozen=True)

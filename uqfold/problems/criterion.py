@@ -6,7 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, overload
 
+import numpy as np
+
 from uqfold.checks import instance, keep, listed, or_none, real, refused, whole
+
+LIMIT_STATE_THRESHOLD = float(np.nextafter(0.0, -1.0))
+"""Threshold of a plain limit state: failure is g <= 0, so y = -g works only below zero."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +75,8 @@ class Criterion:
         return self.missions.planned if isinstance(self.missions, Binomial) else self.missions
 
     def __str__(self) -> str:
-        parts = [f"T = {self.threshold:g}"]
+        limit_state = self.threshold == LIMIT_STATE_THRESHOLD
+        parts = ["g <= 0" if limit_state else f"T = {self.threshold:g}"]
         if self.tau is not None:
             parts.append(f"tau = {self.tau:g}")
         parts.append(f"m = {self.missions}")
