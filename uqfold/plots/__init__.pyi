@@ -2,13 +2,13 @@ from uqfold.plots.comparison_figure import comparison as comparison
 from uqfold.plots.curves import reliability_panels as reliability_panels
 from uqfold.plots.dependence import independence_panels as independence_panels
 from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
-from uqfold.plots.importance_figure import importance as importance
 from uqfold.plots.panels import one_legend as one_legend
 from uqfold.plots.points_figure import points as points
 from uqfold.plots.saving import save as save
 from uqfold.plots.analyses import (
     design as design,
     derivatives as derivatives,
+    importance as importance,
     sobol as sobol,
 )
 from uqfold.plots.style import figure_settings as figure_settings, method_styles as method_styles

@@ -1,4 +1,4 @@
-"""Analyses: Sobol' indices, derivatives of pf, and designs for a target.
+"""Analyses: Sobol' indices, derivatives of pf, importance of units, and designs for a target.
 
 Two ways to the same number stand side by side, each in the colour of its method and with its
 interval, so that a reader sees whether they agree.
@@ -11,15 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below, mark
-from uqfold.plots.rows import checked, distinct, having
-from uqfold.plots.style import (
-    COLUMN_INCHES,
-    REFERENCE_LINE,
-    SOFT_COLOR,
-    figure_settings,
-    method_styles,
-)
+from uqfold.checks import choice
+from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below
+from uqfold.plots.rows import checked, having
+from uqfold.plots.style import COLUMN_INCHES, REFERENCE_LINE, SOFT_COLOR, figure_settings
 from uqfold.plots.wording import response_of, value_text
 
 if TYPE_CHECKING:
@@ -27,16 +22,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ROW_INCHES = 0.3
 REACH = 1.96
 """Standard errors in an interval on either side."""
 SMALLEST_INDEX = 1e-6
 MOMENTS = {"mean": "mean", "standard deviation": "std. dev."}
-PLACES = ("value", "safe")
-"""Of a design: what meets the target best, and what meets it surely."""
+MEASURES = {
+    "pf": "failure probability of the system",
+    "birnbaum": "Birnbaum importance:\npf at stake with the unit",
+    "fussell_vesely": "Fussell-Vesely importance:\nshare of pf that a perfect unit saves",
+    "risk_achievement_worth": "risk achievement worth:\nfactor on pf while the unit is out",
+    "risk_reduction_worth": "risk reduction worth:\nfactor that a perfect unit takes off pf",
+}
+PLACES = ("safe", "value")
+"""Of a design: what meets the target surely, and what meets it best."""
 DERIVATIVE_NEEDS = ("input", "moment", "threshold", "per_std", "per_std_error")
-
-
 DESIGN_NEEDS = (
     "label", "parameter", "unit", "threshold", "tau", "missions", "seek", "status", "target_pf",
     "value", "low", "high",
@@ -63,17 +62,13 @@ def sobol(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     frame = checked("table", table, ("label", "input", "order", "index", "ci_low", "ci_high"))
     low = frame["ci_low"].clip(lower=SMALLEST_INDEX)
     frame = frame.assign(
-        row=frame["input"], series=frame["label"] + ", " + frame["order"], low=low,
+        row=frame["input"], series=frame["label"], kind=frame["order"], low=low,
         value=frame["index"].where(frame["index"] > SMALLEST_INDEX),
         high=np.maximum(frame["ci_high"], low),
     )  # fmt: skip
-    styles = method_styles(distinct(frame, "label"))
-    axes = axes_or_new(ax, height=1.2 + (ROW_INCHES + 0.1) * frame["input"].nunique())
-    looks = {f"{name}, {one}": styles[name] for name in styles for one in ("main", "total")}
-    draw_rows(axes, frame, looks, hollow=", total")
+    axes = axes_or_new(ax, height=1.2 + 0.4 * frame["row"].nunique())
+    handles = draw_rows(axes, frame, ("main", "total"))
     axes.set(xscale="log", xlim=(SMALLEST_INDEX, 1.5), xlabel="Sobol' index of the response")
-    handles = [mark(label, marker=look.marker, color=look.color) for label, look in styles.items()]
-    handles += [mark("main", color=SOFT_COLOR), mark("total", hollow=True, color=SOFT_COLOR)]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.4, -0.25), ncols=2)
     return axes
 
@@ -101,14 +96,57 @@ def derivatives(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         series=frame["label" if "label" in frame else "method"],
         value=value, low=value - half, high=value + half,
     )  # fmt: skip
-    rows = distinct(frame, "row")
-    axes = axes_or_new(ax, height=1.2 + ROW_INCHES * len(rows))
+    axes = axes_or_new(ax, height=1.2 + 0.3 * frame["row"].nunique())
     axes.axvline(0.0, color=SOFT_COLOR, linewidth=0.8)
-    draw_rows(axes, frame, method_styles(distinct(frame, "series")))
-    means = sum(row.endswith(", mean") for row in rows)
+    draw_rows(axes, frame)
+    means = frame.loc[frame["moment"] == "mean", "row"].nunique()
     axes.axhline(means - 0.5, color="#BBBBBB", linewidth=0.8)
     axes.set_xlabel("relative change of pf\nper std. dev. of the input")
     axes.legend()
+    return axes
+
+
+@figure_settings()
+def importance(
+    table: pd.DataFrame, measure: str = "fussell_vesely", ax: Axes | None = None
+) -> Axes:
+    """Draw one measure of every unit, with the common cause (filled) and without (hollow).
+
+    Parameters
+    ----------
+    table
+        What `uqfold.analysis.importance_of_units` returned.
+    measure
+        ``birnbaum``, ``fussell_vesely``, ``risk_achievement_worth``, ``risk_reduction_worth`` or
+        ``pf``. Infinite values are not drawn.
+    ax
+        Where to draw; None makes a figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    import pandas as pd
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    choice("measure", measure, MEASURES)
+    kinds = {"causes shared": measure, "as if independent": f"{measure}_independent"}
+    frame = checked("table", table, ("unit", "threshold", "missions", *kinds.values()))
+    asked = [case_text(row, "", ("threshold", "missions")) for row in frame.to_dict("records")]
+    frame = frame.assign(row=frame["unit"], series=asked)
+    frame = pd.concat([frame.assign(kind=kind, value=frame[own]) for kind, own in kinds.items()])
+    value = frame["value"].where(np.isfinite(frame["value"]))
+    axes = axes_or_new(ax, height=1.3 + 0.34 * frame["unit"].nunique())
+    handles = draw_rows(axes, frame.assign(value=value, low=value, high=value), tuple(kinds))
+    axes.set_xlabel(MEASURES[measure])
+    if measure == "fussell_vesely":
+        axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
+    else:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.4, -0.35), ncols=2)
     return axes
 
 
@@ -129,24 +167,24 @@ def design(table: pd.DataFrame) -> Figure:
     from matplotlib.figure import Figure
 
     frame = checked("table", table, DESIGN_NEEDS)
+    unit = response_of(frame)[1]
     frame = frame.assign(
-        row=[case_text(row, response_of(frame)[1]) for row in frame.to_dict("records")],
-        series=frame["label"],
+        row=[case_text(row, unit) for row in frame.to_dict("records")], series=frame["label"]
     )
-    rows, styles = distinct(frame, "row"), method_styles(distinct(frame, "label"))
+    rows = list(frame["row"].unique())
     size = (2.0 * COLUMN_INCHES, 0.8 + 0.36 * len(rows))
     figure = Figure(figsize=size, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
-    draw_rows(left, frame, styles)
+    draw_rows(left, frame)
+    ends = {"value": "pf", "low": "ci_low", "high": "ci_high"}
     simulated = pd.concat([
         frame.assign(
-            series=frame["label"] + ", " + place, value=frame[f"{place}_pf"],
-            low=frame[f"{place}_ci_low"], high=frame[f"{place}_ci_high"],
+            kind=f"simulated at the {'safe ' * (place == 'safe')}value",
+            **{end: frame[f"{place}_{name}"] for end, name in ends.items()},
         )
         for place in PLACES
     ])  # fmt: skip
-    looks = {f"{label}, {place}": look for label, look in styles.items() for place in PLACES}
-    draw_rows(right, simulated, looks, hollow=", value")
+    handles = draw_rows(right, simulated, tuple(simulated["kind"].unique()))
     for i, name in enumerate(rows):
         own = having(frame, "row", name)
         if own["value"].isna().all():
@@ -162,20 +200,14 @@ def design(table: pd.DataFrame) -> Figure:
     # long intervals of few failures do not squeeze the rest
     right.set_xlim(0.0, 2.5 * float(frame["target_pf"].max()))
     right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 2))
-    handles = [
-        key(f"{label}, 95 %", marker=look.marker, color=look.color)
-        for label, look in styles.items()
-    ]
-    handles += [
-        mark("simulated at the value", hollow=True, color=SOFT_COLOR),
-        mark("simulated at the safe value", color=SOFT_COLOR),
-        key("target", **REFERENCE_LINE),
-    ]
+    handles += [key("95 %", color=SOFT_COLOR), key("target", **REFERENCE_LINE)]
     legend_below(figure, handles)
     return figure
 
 
-def case_text(row: Mapping[Any, Any], unit: str) -> str:
+def case_text(
+    row: Mapping[Any, Any], unit: str, columns: tuple[str, ...] = ("threshold", "tau", "missions")
+) -> str:
     """Return the criterion of a row in words, without a threshold that is designed (NaN)."""
-    asked = [name for name in ("threshold", "tau", "missions") if row[name] == row[name]]
+    asked = [name for name in columns if row[name] == row[name]]
     return ", ".join(value_text(name, row[name], unit) for name in asked)

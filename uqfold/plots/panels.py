@@ -6,14 +6,15 @@ One column of panels is as wide as a column of print.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uqfold.checks import instance
 from uqfold.plots.saving import figure_of
-from uqfold.plots.style import COLUMN_INCHES, MethodStyle, figure_settings
+from uqfold.plots.style import COLUMN_INCHES, SOFT_COLOR, figure_settings, method_styles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,33 +99,37 @@ def mark(label: str, hollow: bool = False, **look: Any) -> Any:
     return key(label, **{"marker": "o", **look, **face, "linestyle": ""})
 
 
-def draw_rows(
-    axes: Axes, frame: pd.DataFrame, styles: Mapping[str, MethodStyle], hollow: str = ""
-) -> None:
+def draw_rows(axes: Axes, frame: pd.DataFrame, kinds: Sequence[str] = ()) -> list[Any]:
     """Draw values with their intervals in named rows from top to bottom, series beside each other.
 
     Parameters
     ----------
     frame
         Columns ``row`` and ``series``, names of both; ``value``, ``low`` and ``high``.
-    styles
-        Look of each series.
-    hollow
-        Series whose name ends so have hollow marks.
+    kinds
+        Values of the column ``kind``: the first has filled marks, the second hollow ones.
+
+    Returns
+    -------
+    list
+        Entries of a legend: the series, and the kinds.
     """
-    names = list(frame["row"].unique())
-    axes.set_yscale("linear")
+    names, looks = list(frame["row"].unique()), method_styles(frame["series"].unique())
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
-    places = np.linspace(-0.25, 0.25, len(styles)) if len(styles) > 1 else [0.0]
-    for (series, style), place in zip(styles.items(), places, strict=True):
+    beside = list(product(looks.items(), kinds or [""]))
+    places = np.linspace(-0.25, 0.25, len(beside)) if len(beside) > 1 else [0.0]
+    for ((series, look), kind), place in zip(beside, places, strict=True):
         own = frame[frame["series"] == series]
+        own = own[own["kind"] == kind] if kind else own
         y = own["row"].map(names.index) + place
-        axes.hlines(y, own["low"], own["high"], color=style.color, linewidth=1.2)
-        face = "white" if hollow and series.endswith(hollow) else style.color
-        axes.plot(own["value"], y, style.marker, color=style.color, markersize=4.5,
+        axes.hlines(y, own["low"], own["high"], color=look.color, linewidth=1.2)
+        face = "white" if kind in kinds[1:] else look.color
+        axes.plot(own["value"], y, look.marker, color=look.color, markersize=4.5,
                   markerfacecolor=face, label=series)  # fmt: skip
+    handles = [mark(name, marker=look.marker, color=look.color) for name, look in looks.items()]
+    return handles + [mark(kind, hollow=kind in kinds[1:], color=SOFT_COLOR) for kind in kinds]
 
 
 def percent_axis(axes: Axes, smallest: float, largest: float) -> None:

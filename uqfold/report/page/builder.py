@@ -9,13 +9,12 @@ from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
-from urllib.parse import quote
 
 from uqfold.checks import choice, flag, instance, mapping, refused, several, text, whole
 from uqfold.checks import path as checked_path
-from uqfold.report.page.cells import Tone, cell_of
-from uqfold.report.page.markup import escaped, fenced, literal, table_row, without_elements
-from uqfold.report.page.to_html import html, visible
+from uqfold.report.page.cells import Tone, cell_of, is_numeric
+from uqfold.report.page.markup import without_elements
+from uqfold.report.page.rendering import html, markdown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,8 +44,7 @@ class Page:
     Attributes
     ----------
     blocks
-        What it shows, from top to bottom: dicts of ``kind``, ``markdown``, and what the template
-        of that kind needs.
+        What it shows, from top to bottom: dicts of ``kind``, and what the templates need of it.
     pictures
         Its figures, by name.
 
@@ -87,23 +85,18 @@ class Page:
         """Begin a section, or at a higher level one within it; `label` stands behind its title."""
         if self._folding:
             raise ValueError(f"section {title!r} cannot begin within details")
-        name = self._unique(text("title", title), name)
-        level = whole("level", level, at_least=1, at_most=5)
-        behind = f" ({literal(label)})" if text("label", label, empty=True) else ""
         self._add(
             "heading",
-            f"{'#' * (level + 1)} {literal(title)}{behind}",
+            name=self._unique(text("title", title), name),
             title=title,
-            name=name,
-            level=level,
-            label=label,
+            level=whole("level", level, at_least=1, at_most=5),
+            label=text("label", label, empty=True),
             tone=choice("tone", tone, get_args(Tone)),
         )
 
     def text(self, source: str, *, small: bool = False) -> None:
         """Add paragraphs and lists; `small` for remarks and legends."""
-        said = _markdown("source", source)
-        self._add("text", said, source=said, small=flag("small", small))
+        self._add("text", source=_markdown("source", source), small=flag("small", small))
 
     def card(self, title: str, answer: str, *more: str, tone: Tone = "") -> None:
         """Add a statement to a row of them: a question, its short answer, and what else to say."""
@@ -113,21 +106,14 @@ class Page:
             "more": [without_elements(one) for one in several("more", more, text)],
             "tone": choice("tone", tone, get_args(Tone)),
         }
-        items = [f"- {literal(title)} **{card['answer']}**"]
-        items += [f"  - {one}" for one in card["more"]]
-        if self.blocks and self.blocks[-1]["kind"] == "cards":
-            row = self.blocks[-1]
-            row["cards"].append(card)
-            row["markdown"] += "\n" + "\n".join(items)
-        else:
-            self._add("cards", "\n".join(items), cards=[card])
+        if not self.blocks or self.blocks[-1]["kind"] != "cards":
+            self._add("cards", cards=[])
+        self.blocks[-1]["cards"].append(card)
 
     def facts(self, facts: Mapping[str, str]) -> None:
         """Add names and what they stand for, in two columns."""
         checked = mapping("facts", facts, text, empty=True)
-        said = {name: without_elements(one) for name, one in checked.items()}
-        rows = [table_row([literal(name), one]) for name, one in said.items()]
-        self._add("facts", "\n".join(["| | |", "| --- | --- |", *rows]), facts=said)
+        self._add("facts", facts={name: without_elements(one) for name, one in checked.items()})
 
     def table(
         self,
@@ -164,33 +150,17 @@ class Page:
         owners = several("belongs", belongs, text, empty=True)
         if owners and len(owners) != len(frame):
             raise refused("belongs", belongs, f"give one name for each of {len(frame)} rows")
-        name = self._unique(text("title", title), name)
-        said = _markdown("caption", caption)
         if any(one is not None for one in frame.index.names):
             frame = frame.reset_index()
-        heads = [" ".join(map(str, one)) if isinstance(one, tuple) else str(one)
-                 for one in frame.columns]  # fmt: skip
-        rows = [
-            [cell_of(value) for value in row] for row in frame.itertuples(index=False, name=None)
-        ]
-        numeric = [
-            any(one.value is not None for one in column)
-            and all(one.value is not None or not one.text for one in column)
-            for column in zip(*rows, strict=True)
-        ] or [False] * len(heads)
-        lines = [
-            table_row(map(escaped, heads)),
-            table_row("---:" if one else "---" for one in numeric),
-            *(table_row(escaped(cell.text) for cell in row) for row in rows),
-        ]
+        rows = [[cell_of(value) for value in row] for row in frame.itertuples(index=False)]
+        heads = [one if isinstance(one, tuple) else (one,) for one in frame.columns]
         self._add(
             "table",
-            f"{_titled(title, said)}\n\n" + "\n".join(lines),
+            name=self._unique(text("title", title), name),
             title=title,
-            caption=said,
-            name=name,
-            heads=heads,
-            numeric=numeric,
+            caption=_markdown("caption", caption),
+            heads=[" ".join(map(str, one)) for one in heads],
+            numeric=[is_numeric([row[i] for row in rows]) for i in range(len(heads))],
             rows=rows,
             belongs=owners,
         )
@@ -213,30 +183,22 @@ class Page:
 
         drawn = figure_of(figure)
         name = self._unique(text("title", title), name)
-        said = _markdown("caption", caption)
         self.pictures[name] = drawn
-        shown = f"![{literal(title)}](figures/{quote(name)}.png)"
-        self._add(
-            "figure",
-            f"{shown}\n\n{_titled(title, said)}",
-            title=title,
-            caption=said,
-            name=name,
-            figure=drawn,
-        )
+        said = _markdown("caption", caption)
+        self._add("figure", name=name, title=title, caption=said, figure=drawn)
 
     def equation(self, latex: str, lead: str = "", source: str = "") -> None:
         """Add a displayed equation in LaTeX, what leads to it, and where it comes from."""
-        latex, said = text("latex", latex), _markdown("lead", lead)
-        behind = f" ({literal(source)})" if text("source", source, empty=True) else ""
-        # what could end the display is shown as code
-        shown = fenced(latex, "" if "$" in latex or "\n" in latex else "math")
-        leading = f"{said}{behind}:\n\n".lstrip() if said or behind else ""
-        self._add("equation", leading + shown, latex=latex, lead=said, source=source)
+        self._add(
+            "equation",
+            latex=text("latex", latex),
+            lead=_markdown("lead", lead),
+            source=text("source", source, empty=True),
+        )
 
     def code(self, source: str) -> None:
         """Add code or commands on lines of their own."""
-        self._add("listing", fenced(text("source", source, empty=True)), text=source)
+        self._add("listing", text=text("source", source, empty=True))
 
     def details(self, title: str) -> AbstractContextManager[None]:
         """Fold away what is added within the ``with``; open in print and in Markdown."""
@@ -250,8 +212,7 @@ class Page:
             yield
         finally:
             inner, self.blocks, self._folding = self.blocks, outer, was_folding
-        said = [f"**{literal(title)}**", *(block["markdown"] for block in inner)]
-        self._add("details", "\n\n".join(said), title=title, blocks=inner)
+        self._add("details", title=title, blocks=inner)
 
     def write(self, path: str | os.PathLike[str], *, format: str | None = None) -> list[Path]:
         """Write the page: Markdown with its pictures beside it, or one HTML file.
@@ -285,22 +246,14 @@ class Page:
 
     def markdown(self) -> str:
         """Return the page as Markdown, which refers to its pictures as ``figures/<name>.png``."""
-        told = "\n".join(block["markdown"] for block in self.blocks)
-        parts = [f"# {literal(self.title)}", self.lead]
-        for block in self.blocks:
-            if block["kind"] == "heading" and f"](#{block['name']})" in told:
-                parts.append(f'<a id="{block["name"]}"></a>')
-            parts.append(block["markdown"])
-        parts += ["---", self.imprint] if self.imprint else []
-        return visible("\n\n".join(filter(None, parts)) + "\n")
+        return markdown(self.blocks, vars(self))
 
     def html(self) -> str:
         """Return the page as one HTML document that needs nothing else."""
-        about = {"title": self.title, "lead": self.lead, "kind": self.kind}
-        return html(self.blocks, **about, imprint=self.imprint)
+        return html(self.blocks, vars(self))
 
-    def _add(self, kind: str, markdown: str, **data: Any) -> None:
-        self.blocks.append({"kind": kind, "markdown": markdown, **data})
+    def _add(self, kind: str, **data: Any) -> None:
+        self.blocks.append({"kind": kind, **data})
 
     def _unique(self, title: str, name: str) -> str:
         """Return an anchor of the page that no other part has."""
@@ -321,7 +274,3 @@ def page_format(path: Path, format: str | None = None) -> Format:
 
 def _markdown(name: str, given: str, *, empty: bool = True) -> str:
     return without_elements(text(name, given, empty=empty)).strip()
-
-
-def _titled(title: str, caption: str) -> str:
-    return f"*{literal(title)}* {caption}".rstrip()

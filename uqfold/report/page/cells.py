@@ -43,6 +43,12 @@ def cell_of(value: Any) -> Cell:
     return Cell(text, float(value) if counts else None, TONES.get(text, ""))
 
 
+def is_numeric(column: list[Cell]) -> bool:
+    """Return whether a column holds numbers and gaps, and nothing else."""
+    values = [cell for cell in column if cell.text or cell.value is not None]
+    return bool(values) and all(cell.value is not None for cell in values)
+
+
 def value_text(value: Any) -> str:
     """Write a value as tables show it: numbers with four digits, nothing for NaN and None.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -52,9 +51,9 @@ def without_elements(markdown: str) -> str:
     return _CODE_OR_ELEMENT.sub(lambda match: "&lt;" if match[0] == "<" else match[0], markdown)
 
 
-def table_row(cells: Iterable[str]) -> str:
-    """Return one row of a table of Markdown; a bar ends no cell, not even within code."""
-    return f"| {' | '.join(_OPEN_BAR.sub(_BAR, cell) for cell in cells)} |"
+def unbarred(cell: str) -> str:
+    """Return the text of a cell in a table of Markdown: a bar ends none, not even within code."""
+    return _OPEN_BAR.sub(_BAR, cell)
 
 
 def html(markdown: str) -> str:

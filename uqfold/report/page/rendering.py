@@ -1,4 +1,4 @@
-"""A page as one HTML file that needs nothing else: no network, no fonts, no script to be read.
+"""A page as Markdown, and as one HTML file that needs nothing else: no network, no fonts.
 
 Style and script are inline, and a content security policy names both by their hash: nothing else
 in the file can style, run or load anything, even if a text should find its way through the
@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import count
@@ -35,7 +35,7 @@ class Section:
     sections: list[Section] = field(default_factory=list)
 
 
-def html(blocks: Iterable[Mapping[str, Any]], **about: str) -> str:
+def html(blocks: Sequence[Mapping[str, Any]], about: Mapping[str, Any]) -> str:
     """Return an HTML document; the same blocks always give the same text.
 
     Parameters
@@ -55,13 +55,11 @@ def html(blocks: Iterable[Mapping[str, Any]], **about: str) -> str:
         # serialised from a tree, so everything in it is escaped
         return Markup(inline_svg(data["figure"], f"p{next(numbers)}", f"{said}.", colors))
 
-    templates = _templates()
-    body = templates.get_template("body.html.j2").render(
-        page=about, whole=_tree(blocks), picture=picture
-    )
-    style = templates.get_template("page.css.j2").render(colors=sorted(colors))
-    script = templates.get_template("page.js").render()
-    return templates.get_template("page.html.j2").render(
+    body = _rendered("body.html.j2", page=about, whole=_tree(blocks), picture=picture)
+    style = _rendered("page.css.j2", colors=sorted(colors))
+    script = _rendered("page.js")
+    return _rendered(
+        "page.html.j2",
         page=about,
         # all three are our own: the body comes out of an escaping template
         body=Markup(visible(body)),
@@ -72,9 +70,21 @@ def html(blocks: Iterable[Mapping[str, Any]], **about: str) -> str:
     )
 
 
+def markdown(blocks: Sequence[Mapping[str, Any]], about: Mapping[str, Any]) -> str:
+    """Return the same as Markdown, with anchors where a link leads."""
+    linked = ""
+    for _ in range(2):
+        linked = _rendered("page.md.j2", page=about, blocks=blocks, linked=linked)
+    return visible(linked.strip() + "\n")
+
+
 def visible(text: str) -> str:
     """Replace what no document may hold (control characters, halves of surrogate pairs)."""
     return _INVISIBLE.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
+def _rendered(template: str, **data: Any) -> str:
+    return _templates().get_template(template).render(**data)
 
 
 @cache
@@ -84,11 +94,13 @@ def _templates() -> Environment:
 
     templates = Environment(
         loader=PackageLoader("uqfold.report.page", "templates"),
-        autoescape=True,
+        autoescape=lambda name: name != "page.md.j2",
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    of_markdown = (markup.literal, markup.escaped, markup.fenced, markup.unbarred)
+    templates.filters |= {one.__name__: one for one in of_markdown}
     templates.filters |= {
         "markdown": lambda text: Markup(markup.html(text)),
         "inline": lambda text: Markup(markup.inline_html(text)),
