@@ -107,18 +107,6 @@ def test_paired_runs_take_the_place_of_the_curves_difference() -> None:
     assert (band.min(), band.max()) == (-1.0, 3.0)
 
 
-def test_axis_of_t_leaves_out_where_nothing_happens() -> None:
-    """Curves that rise from 0.58 to 0.6 do not share their panel with half a range of zeros."""
-    long = np.round(np.arange(0.5, 0.7, 0.005), 4)
-    parts = []
-    for problem, shift in (("one", 0.0), ("two", 0.005)):
-        pf = 1.0 / (1.0 + np.exp((long - 0.59 - shift) / 0.001))
-        frame = CURVES.iloc[[0] * long.size].assign(problem=problem, threshold=long)
-        parts.append(frame.assign(pf=pf, reliability=1.0 - pf))
-    low, high = draw(*parts).axes[0].get_xlim()
-    assert (low, high) == pytest.approx((0.58, 0.61), abs=0.0051)
-
-
 def test_what_cannot_be_drawn_is_refused() -> None:
     one = CURVES[CURVES["problem"] == "one"]
     with pytest.raises(ValueError, match="a difference is that of two problems"):

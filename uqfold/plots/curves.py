@@ -6,7 +6,7 @@ Where rows of two problems are drawn, the colours tell these apart instead.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    Looks: TypeAlias = Mapping[tuple[Any, Any], MethodStyle]
+    Looks: TypeAlias = dict[tuple[str, Any], MethodStyle]
 
 Quantity: TypeAlias = Literal["reliability", "pf", "error", "difference"]
 LABELS: dict[str, str] = {
@@ -51,11 +51,10 @@ BAND = 2.0
 SMALLEST_PF = 1e-8
 """Failure probabilities below are not drawn."""
 SMALLEST_ERROR = 1e-4
-SETTLED = 1e-3
-"""Share of reliability up to which a curve has not begun to rise; of pf, has settled."""
 _CURVE: Any = {"markersize": 2.8, "linewidth": 0.9}
 _ARROW: Any = {"linestyle": "", "marker": "$\\downarrow$", "markersize": 8.0}
 _HOLLOW: Any = {"markerfacecolor": "white", "markersize": 4.2, "markeredgewidth": 0.8}
+_SMALL: Any = {"markersize": 3.6, "markeredgewidth": 0.9}
 
 
 @figure_settings()
@@ -107,9 +106,9 @@ def reliability_panels(
         or_none(name, column, choice, rows.columns)
     or_none("check", check, text)
     or_none("paired", paired, instance, pd.DataFrame, "give rows of paired_differences")
-    rows, looks = _grouped(rows, curves, check)
-    unit = response_of(rows)[1]
-    values = distinct(rows[rows["label"] != check], panels)
+    rows = rows.assign(is_check=rows["label"] == check)
+    rows, looks = _grouped(rows, curves)
+    values = distinct(rows[~rows["is_check"]], panels)
     figure, grid = stacked([HEIGHTS[one] for one in quantities], len(values))
     for quantity, line in zip(quantities, grid, strict=True):
         shown = _shown(rows, quantity, paired)
@@ -117,42 +116,33 @@ def reliability_panels(
         for axes, value in zip(line, values, strict=True):
             for (group, one), look in looks.items():
                 own = having(having(shown, panels, value), "group", group)
-                _draw(axes, quantity, having(own, curves, one), look, check)
-            _limit(axes, quantity, shown, check)
-    if panels is not None:
-        for axes, value in zip(grid[0], values, strict=True):
-            axes.set_title(value_text(panels, value, unit))
-    if rows["problem"].nunique() > 1:
-        grid[0, 0].set_xlim(*_moving(rows, curves))
+                _draw(axes, quantity, having(own, curves, one), look)
+            _limit(axes, quantity, shown)
+    for axes, value in zip(grid[0], values if panels else (), strict=False):
+        axes.set_title(value_text(str(panels), value, response_of(rows)[1]))
     # in the middle of several panels, where there is room for it
     middle, even = len(values) // 2, len(values) % 2 == 0
     grid[-1, middle].set_xlabel(threshold_label(rows), x=0.0 if even else 0.5)
     figure.align_ylabels(grid[:, 0])
-    legend_below(figure, list(_handles(rows, looks, quantities, curves, check)))
+    legend_below(figure, list(_handles(rows, looks, quantities, curves)))
     return figure
 
 
-def _grouped(
-    rows: pd.DataFrame, curves: str | None, check: str | None
-) -> tuple[pd.DataFrame, Looks]:
-    """Return rows with ``group`` and ``mark``, and the look of each curve of a group.
+def _grouped(rows: pd.DataFrame, curves: str | None) -> tuple[pd.DataFrame, Looks]:
+    """Return rows with their ``group``, and the look of each curve of a group.
 
-    Groups are two problems, or the labels of one. Rows of a check belong to the group that they
-    stand beside, and have a colour of their own.
+    Groups are two problems, or the labels of one; a check belongs to the first of these.
     """
-    drawn = rows[rows["label"] != check]
+    drawn = rows[~rows["is_check"]]
     if drawn.empty:
-        raise refused("check", check, "there is no curve besides its rows")
+        raise refused("check", rows["label"].iloc[0], "there is no curve besides its rows")
     problems, values = distinct(rows, "problem"), distinct(drawn, curves)
     if len(problems) > len(PROBLEM_COLORS):
         remedy = f"at most {len(PROBLEM_COLORS)} problems can be told apart"
         raise refused("frame", problems, remedy)
     if len(problems) == 2:
-        styles = {
-            name: MethodStyle(color, "o")
-            for name, color in zip(problems, PROBLEM_COLORS, strict=True)
-        }
         colors = dict(zip(problems, PROBLEM_COLORS, strict=True))
+        styles = {name: MethodStyle(color, "o") for name, color in colors.items()}
         rows = rows.assign(group=rows["problem"], mark=rows["problem"].map(colors))
     else:
         methods = drawn.groupby("label", sort=False)["method"].first()
@@ -160,15 +150,15 @@ def _grouped(
         names = methods.mask(methods.duplicated(keep=False), methods.index.to_series())
         looks = method_styles(names)
         styles = {label: looks[name] for label, name in names.items()}
-        beside = rows["label"].where(rows["label"] != check, methods.index[0])
-        rows = rows.assign(group=beside, mark="black")
+        group = rows["label"].mask(rows["is_check"], methods.index[0])
+        rows = rows.assign(group=group, mark="black")
     own_markers = len(problems) == 2 or len(styles) == 1
     found = {}
-    for group, style in styles.items():
+    for name, style in styles.items():
+        asked = distinct(having(rows, "group", name), curves)
         several_looks = shades(style, len(values), own_markers=own_markers)
-        for value, look in zip(values, several_looks, strict=True):
-            if not having(having(rows, "group", group), curves, value).empty:
-                found[group, value] = look
+        own = zip(values, several_looks, strict=True)
+        found.update({(name, value): look for value, look in own if value in asked})
     return rows, found
 
 
@@ -188,7 +178,7 @@ def _shown(rows: pd.DataFrame, quantity: str, paired: pd.DataFrame | None) -> pd
         own = paired.sort_values("threshold", kind="stable")
         return own.assign(
             value=own["difference"], band=BAND * own["std_error"], low=np.nan, group=problems[0],
-            label="",
+            is_check=False,
         )  # fmt: skip
     first, second = (having(rows, "problem", one) for one in problems)
     criterion = ["label", "threshold", "tau", "missions"]
@@ -198,32 +188,27 @@ def _shown(rows: pd.DataFrame, quantity: str, paired: pd.DataFrame | None) -> pd
     return both.assign(value=value, low=value - half, high=value + half)
 
 
-def _draw(
-    axes: Axes, quantity: str, rows: pd.DataFrame, look: MethodStyle, check: str | None
-) -> None:
+def _draw(axes: Axes, quantity: str, rows: pd.DataFrame, look: MethodStyle) -> None:
     """Draw one curve, its marks with intervals, and its reference."""
+    T, color = rows["threshold"], look.color
     if quantity == "error":
-        axes.plot(rows["threshold"], rows["value"], color=look.color, linewidth=0.9)
+        axes.plot(T, rows["value"], color=color, linewidth=0.9)
         for hollow, own in rows.groupby(_unjudged(rows)):
-            axes.plot(
-                own["threshold"], own["value"], look.marker, color=look.color, markersize=3.6,
-                markerfacecolor="white" if hollow else look.color, markeredgewidth=0.9,
-            )  # fmt: skip
+            face = "white" if hollow else color
+            axes.plot(own["threshold"], own["value"], look.marker, color=color,
+                      markerfacecolor=face, **_SMALL)  # fmt: skip
         return
     if "band" in rows:
-        low, high = rows["value"] - rows["band"], rows["value"] + rows["band"]
-        axes.fill_between(
-            rows["threshold"], low, high, color=look.color, alpha=0.2, linewidth=0.0
-        )  # fmt: skip
+        ends = rows["value"] - rows["band"], rows["value"] + rows["band"]
+        axes.fill_between(T, *ends, color=color, alpha=0.2, linewidth=0.0)
     if quantity in ("reliability", "pf"):
-        _draw_reference(axes, rows[rows["label"] != check], quantity)
+        _draw_reference(axes, rows[~rows["is_check"]], quantity)
     # points with intervals of their own are not joined
     stated = rows["low"].notna()
     line = rows[~stated & ((rows["value"] > 0.0) | (quantity != "pf"))]
-    axes.plot(line["threshold"], line["value"], color=look.color, marker=look.marker, **_CURVE)
-    for is_check, own in rows[stated].groupby(rows["label"] == check):
-        color = own["mark"].iloc[0] if is_check else look.color
-        value = own["value"]
+    axes.plot(line["threshold"], line["value"], color=color, marker=look.marker, **_CURVE)
+    for is_check, own in rows[stated].groupby("is_check"):
+        color, value = own["mark"].iloc[0] if is_check else look.color, own["value"]
         if quantity == "pf":
             axes.plot(own["threshold"], own["high"].where(value == 0.0), color=color, **_ARROW)
             value = value.where(value > 0.0)
@@ -252,7 +237,7 @@ def _unjudged(rows: pd.DataFrame) -> Any:
     return (rows["error"] <= resolution) & (resolution > SMALLEST_ERROR)
 
 
-def _limit(axes: Axes, quantity: str, shown: pd.DataFrame, check: str | None) -> None:
+def _limit(axes: Axes, quantity: str, shown: pd.DataFrame) -> None:
     if quantity == "reliability":
         axes.set_ylim(-0.03, 1.03)
     elif quantity == "pf":
@@ -265,7 +250,7 @@ def _limit(axes: Axes, quantity: str, shown: pd.DataFrame, check: str | None) ->
         axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2), useMathText=True)
         if "band" not in shown:
             # long bars are cut off: they must not flatten the curves
-            curves = [0.0, *shown.loc[shown["label"] != check, "value"]]
+            curves = [0.0, *shown.loc[~shown["is_check"], "value"]]
             margin = max(0.15 * np.ptp(curves), 1e-4)
             axes.set_ylim(min(curves) - margin, max(curves) + margin)
 
@@ -277,25 +262,8 @@ def limit_pf(axes: Axes, values: Iterable[float]) -> None:
     axes.set(yscale="log", ylim=(10.0**decade, 1.6))
 
 
-def _moving(rows: pd.DataFrame, curves: str | None) -> tuple[float, float]:
-    """Return the range of T from where a first curve rises to where the last one has settled."""
-    last = rows.groupby(["group", "label", *([curves] if curves else [])], dropna=False)["pf"]
-    settled = np.maximum((1.0 + SETTLED) * last.transform("last"), SMALLEST_PF)
-    moving = rows.loc[(rows["reliability"] >= SETTLED) & (rows["pf"] > settled), "threshold"]
-    T = rows["threshold"].unique()
-    if moving.empty:
-        return float(T[0]), float(T[-1])
-    # one step more on either side
-    low, high = np.searchsorted(T, [moving.min(), moving.max()])
-    return float(T[max(low - 1, 0)]), float(T[min(high + 1, T.size - 1)])
-
-
 def _handles(
-    rows: pd.DataFrame,
-    looks: Looks,
-    quantities: Sequence[str],
-    curves: str | None,
-    check: str | None,
+    rows: pd.DataFrame, looks: Looks, quantities: Sequence[str], curves: str | None
 ) -> Iterator[Any]:
     from matplotlib.patches import Patch
 
@@ -307,19 +275,17 @@ def _handles(
     for (group, value), look in looks.items():
         words = [] if curves is None else [value_text(curves, value, response_of(rows)[1])]
         if not two and (len(groups) > 1 or curves is None):
-            words.insert(0, str(group))
-        if words:
-            named.setdefault(", ".join(words), look)
+            words.insert(0, group)
+        named.setdefault(", ".join(words), look)
     for name, look in named.items():
-        color = "#777777" if two else look.color
-        yield key(name, color=color, marker=look.marker, markersize=3.8)
+        if name:
+            color = "#777777" if two else look.color
+            yield key(name, color=color, marker=look.marker, markersize=3.8)
     if set(quantities) == {"error"}:
         if _unjudged(rows).any():
-            yield mark(
-                "within 2 std. errors of ref.", hollow=True, color=SOFT_COLOR, markersize=3.6
-            )
+            yield mark("within 2 std. errors of ref.", hollow=True, color=SOFT_COLOR, **_SMALL)
         return
-    if (rows["label"] == check).any():
+    if rows["is_check"].any():
         yield mark("simulation, 95 %", color="black", **_HOLLOW)
     if "pf" in quantities and ((rows["pf"] == 0.0) & (rows["ci_high"] > 0.0)).any():
         yield key("no failure: upper end", color="black", **_ARROW)
