@@ -158,26 +158,30 @@ def test_rows_that_are_not_known_are_left_out(script: Script, small: Any) -> Non
     assert rows[-1].std_error == pytest.approx(0.01)
 
 
+@pytest.fixture
 def command_line(
-    script: Script, monkeypatch: pytest.MonkeyPatch, small: Any, model: Model
-) -> Callable[..., None]:
+    script: Script, monkeypatch: pytest.MonkeyPatch, small: Any, tmp_path: Path
+) -> Callable[[Model], Callable[..., None]]:
+    """The command with a small grid and another model, which writes into `tmp_path`."""
     module = script("folding_wing")
-    monkeypatch.setattr(module, "GRID", small)
-    monkeypatch.setattr(module, "SHARED_DRAWS", DRAWS)
-    monkeypatch.setattr(module, "folding_wing", lambda: problem(model))
-    monkeypatch.setattr(module, "simulate", partial(module.simulate, draws=DRAWS))
-    return module.main
+
+    def with_model(model: Model) -> Callable[..., None]:
+        monkeypatch.setattr(module, "GRID", small)
+        monkeypatch.setattr(module, "SHARED_DRAWS", DRAWS)
+        monkeypatch.setattr(module, "STORE", tmp_path / "new" / "c.db")
+        monkeypatch.setattr(script("tables"), "SHIPPED", tmp_path)
+        monkeypatch.setattr(module, "folding_wing", lambda: problem(model))
+        monkeypatch.setattr(module, "simulate", partial(module.simulate, draws=DRAWS))
+        return module.main
+
+    return with_model
 
 
-def test_command_writes_a_reference_file(
-    script: Script, small: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    main = command_line(script, monkeypatch, small, Model())
-    out = tmp_path / "wing.json"
-    options = ["--seed", "11", "--store", str(tmp_path / "new" / "c.db"), "--out", str(out)]
-    main(["--blocks", "3", *options])
-    main(["--blocks", "5", *options])
-    table = parse_references(json.loads(out.read_text()))
+def test_command_writes_a_reference_file(command_line: Any, tmp_path: Path) -> None:
+    main = command_line(Model())
+    main(["--blocks", "3", "--seed", "11"])
+    main(["--blocks", "5", "--seed", "11"])
+    table = parse_references(json.loads((tmp_path / "folding_wing.json").read_text()))
     assert (table.problem, table.kind) == ("folding-wing", "simulation")
     assert f"{5 * DRAWS * 20 * 15} deployments" in table.how
     assert table.command == "python validation/references/folding_wing.py --blocks 5 --seed 11"
@@ -185,18 +189,15 @@ def test_command_writes_a_reference_file(
     assert all(row.std_error > 0.0 for row in table)
 
 
-def test_the_same_command_goes_on_after_an_interrupt(
-    script: Script, small: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_same_command_goes_on_after_an_interrupt(command_line: Any, tmp_path: Path) -> None:
     model = Model(interrupt_after=4)
-    main = command_line(script, monkeypatch, small, model)
-    options = ["--store", str(tmp_path / "c.db"), "--out", str(tmp_path / "wing.json")]
+    main = command_line(model)
     with pytest.raises(KeyboardInterrupt):
-        main(["--blocks", "6", *options])
-    assert not (tmp_path / "wing.json").exists()
+        main(["--blocks", "6"])
+    assert not (tmp_path / "folding_wing.json").exists()
     object.__setattr__(model, "interrupt_after", None)
-    main(["--blocks", "6", *options])
-    assert (tmp_path / "wing.json").exists()
+    main(["--blocks", "6"])
+    assert (tmp_path / "folding_wing.json").exists()
 
 
 def test_one_block_has_no_standard_error(

@@ -180,21 +180,18 @@ def test_a_planted_wrong_row_is_caught(script: Script) -> None:
         assert str(criterion) in found[0]
 
 
-def test_files_are_written_by_name(
+def test_file_has_one_row_per_line_and_13_digits(
     script: Script, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(script("tables"), "SHIPPED", tmp_path)
-    script("tables").write_all({"a.json": lambda: "a", "b.json": lambda: "b"})
-    assert [path.read_text() for path in sorted(tmp_path.iterdir())] == ["a", "b"]
-
-
-def test_file_has_one_row_per_line_and_13_digits(script: Script) -> None:
     tables = script("tables")
+    monkeypatch.setattr(tables, "SHIPPED", tmp_path)
     rows = [
         Reference(Criterion(0.5475), 1 / 3, 2.341e-7),
         Reference(Criterion(-1.0, 0.04, Binomial(10, 0.7)), 1.23456789e-12, 0.0),
     ]
-    text = tables.as_text("p", "integration", "how", "command", rows)
+    tables.write("some_problem", "how", "command", rows)
+    text = (tmp_path / "some_problem.json").read_text()
+    assert json.loads(text)["problem"] == "some-problem"
     assert text.splitlines()[-4:-2] == [
         '  {"threshold": 0.5475, "tau": null, "missions": 1, '
         '"pf": 0.3333333333333, "std_error": 2.4e-07},',

@@ -9,7 +9,7 @@ the direction points and however the model behaves. The direction, taken from th
 partner, only says where errors get small. `mission_estimators.py` turns replicates into estimates
 without bias, and the standard error comes from the spread of the block means.
 
-All deployments are kept in a store, so that a run that was stopped or killed is continued by the
+All deployments are kept in `STORE`, so that a run that was stopped or killed is continued by the
 same command, with more blocks if wanted.
 
     python validation/references/folding_wing.py --blocks 104
@@ -20,20 +20,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from mission_estimators import estimate, missions_of
 from scipy.special import ndtr, ndtri
 from scipy.stats.qmc import Sobol
-from tables import BINOMIAL_PROFILES, SHIPPED, Grid, as_text
+from tables import BINOMIAL_PROFILES, Grid, write
 
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
 from uqfold.problems import Problem, folding_wing
 from uqfold.problems.reference import Reference
 from uqfold.typing import FloatArray, Model
-from uqfold.writing import write_text
 
 GRID = Grid(
     thresholds=tuple(round(0.53 + 0.0025 * i, 4) for i in range(29)),
@@ -46,7 +44,7 @@ STRATA = tuple(round(0.7 * i, 1) for i in range(-5, 9))
 SHARED_DRAWS = 128
 SEED = 20261
 LARGEST_RELATIVE_ERROR = 0.3
-DEFAULT_STORE = Path("uqfold-results") / "folding-wing-reference.db"
+STORE = Path("uqfold-results") / "folding-wing-reference.db"
 
 
 def simulate(
@@ -183,20 +181,18 @@ def known(grid: Grid, estimates: FloatArray) -> list[Reference]:
     ]
 
 
-def document(grid: Grid, estimates: FloatArray, seed: int) -> str:
-    """Return the text of ``folding_wing.json``."""
-    blocks, replicates = len(estimates), missions_of(grid) * grid.units
-    how = (
-        f"Simulation of the mechanism, {blocks * SHARED_DRAWS * replicates * (len(STRATA) + 1)} "
-        f"deployments: {blocks} blocks of "
+def explained(grid: Grid, blocks: int) -> str:
+    """Return how the references were made."""
+    replicates = missions_of(grid) * grid.units
+    deployments = blocks * SHARED_DRAWS * replicates * (len(STRATA) + 1)
+    return (
+        f"Simulation of the mechanism, {deployments} deployments: {blocks} blocks of "
         f"{SHARED_DRAWS} shared draws (scrambled Sobol), each with {replicates} replicates of "
         f"a wing in {len(STRATA) + 1} strata along the gradient of the deployment time with ideal "
         "joints; estimators without bias given the shared draw. The error is the standard error "
         f"from the spread of the block means; rows where it exceeds {LARGEST_RELATIVE_ERROR:.0%} "
         "of pf are left out."
     )
-    command = f"python validation/references/folding_wing.py --blocks {blocks} --seed {seed}"
-    return as_text("folding-wing", "simulation", how, command, known(grid, estimates))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -206,17 +202,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--blocks", type=int, default=104, help="blocks in all, at least 2")
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--store", type=Path, default=DEFAULT_STORE, help="keeps the deployments")
-    parser.add_argument("--out", type=Path, default=SHIPPED / "folding_wing.json")
-    options: Any = parser.parse_args(arguments)
-    if options.blocks < 2:
-        parser.error(f"--blocks {options.blocks}: a standard error takes at least 2 blocks")
-    options.store.parent.mkdir(parents=True, exist_ok=True)
-    evaluator = Evaluator(failed_runs="raise", store=options.store)
-    estimates = simulate(
-        folding_wing(), GRID, blocks=options.blocks, seed=options.seed, evaluator=evaluator
-    )
-    write_text(options.out, document(GRID, estimates, options.seed))
+    options = parser.parse_args(arguments)
+    blocks, seed = options.blocks, options.seed
+    if blocks < 2:
+        parser.error(f"--blocks {blocks}: a standard error takes at least 2 blocks")
+    STORE.parent.mkdir(parents=True, exist_ok=True)
+    evaluator = Evaluator(failed_runs="raise", store=STORE)
+    estimates = simulate(folding_wing(), GRID, blocks=blocks, seed=seed, evaluator=evaluator)
+    command = f"python validation/references/folding_wing.py --blocks {blocks} --seed {seed}"
+    found = known(GRID, estimates)
+    write("folding_wing", explained(GRID, blocks), command, found, kind="simulation")
 
 
 if __name__ == "__main__":

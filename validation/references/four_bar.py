@@ -14,15 +14,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
-from tables import BINOMIAL_PROFILES, Grid, as_text, write_all
+from tables import BINOMIAL_PROFILES, Grid, write
 
 from uqfold.typing import FloatArray
-
-Branch = Literal["open", "crossed"]
 
 # Table 4 in mm: mean, standard deviation; the ground of the second loop as that of the first
 CRANK = (53.0, 1.0)
@@ -37,11 +34,11 @@ OPEN = Grid(
     profiles=(1, 2, 3, 5, 8, 10, *BINOMIAL_PROFILES),
     units=2,
 )
-GRIDS: dict[Branch, Grid] = {
+GRIDS: dict[str, Grid] = {
     "open": OPEN,
     "crossed": replace(OPEN, thresholds=np.arange(-144.0, -133.5, 0.5).tolist()),
 }
-START: dict[Branch, float] = {"open": 88.0, "crossed": -156.0}
+START: dict[str, float] = {"open": 88.0, "crossed": -156.0}
 FINE = Rules(
     start=START["open"], width=0.25, panel_nodes=6, reach=9.6, shared_step=0.3, individual_step=0.4
 )
@@ -52,10 +49,9 @@ HOW = (
     "over the largest angle; trapezoidal rule over the crank. The error is a bound: the change "
     "from a coarser resolution plus rounding."
 )
-COMMAND = "python validation/references/four_bar.py"
 
 
-def unit(branch: Branch, t: FloatArray, u: float, rules: Rules) -> Distribution:
+def unit(branch: str, t: FloatArray, u: float, rules: Rules) -> Distribution:
     """Return the distribution of one angle (deg), given the crank's standardised length u."""
     v, w = standard_normal_rule(rules.reach, rules.individual_step)
     rocker = np.repeat(ROCKER[0] + ROCKER[1] * v, v.size)
@@ -79,17 +75,8 @@ def unit(branch: Branch, t: FloatArray, u: float, rules: Rules) -> Distribution:
     return below_bound(z, slope * np.deg2rad(1.0) / COUPLER[1], np.outer(w, w).ravel())
 
 
-def compute(branch: Branch) -> str:
-    """Return the text of the reference file of one branch."""
-    name = "four-bar" if branch == "open" else "four-bar-crossed"
-    coarse, fine = (replace(rules, start=START[branch]) for rules in (COARSE, FINE))
-    found = references(partial(unit, branch), GRIDS[branch], coarse, fine)
-    return as_text(name, "integration", HOW, COMMAND, found)
-
-
 if __name__ == "__main__":
-    files = {
-        "four_bar.json": partial(compute, "open"),
-        "four_bar_crossed.json": partial(compute, "crossed"),
-    }
-    write_all(files)
+    for branch, stem in (("open", "four_bar"), ("crossed", "four_bar_crossed")):
+        coarse, fine = (replace(rules, start=START[branch]) for rules in (COARSE, FINE))
+        found = references(partial(unit, branch), GRIDS[branch], coarse, fine)
+        write(stem, HOW, "python validation/references/four_bar.py", found)

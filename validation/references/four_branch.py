@@ -17,7 +17,7 @@ import math
 import numpy as np
 from order_statistics import gauss_panels
 from scipy.special import ndtr
-from tables import Grid, as_text, write_all
+from tables import Grid, write
 
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.problems.four_branch_system import DEFAULT_K
@@ -31,7 +31,6 @@ HOW = (
     "composite Gauss-Legendre rule along the curved ones. The error is a bound: the change from a "
     "coarser resolution plus rounding."
 )
-COMMAND = "python validation/references/four_branch.py"
 
 
 def failure_probability(threshold: float, panels: int) -> float:
@@ -43,15 +42,10 @@ def failure_probability(threshold: float, panels: int) -> float:
     return float(2.0 * ndtr(-a) + 4.0 * (inside @ weights).sum())
 
 
-def compute() -> str:
-    """Return the text of ``four_branch.json``."""
+if __name__ == "__main__":
     coarse, pf = (
         np.array([failure_probability(threshold, panels) for threshold in GRID.thresholds])
         for panels in (8, 16)
     )
     found = GRID.references(pf, np.abs(pf - coarse) + ROUNDING * pf)
-    return as_text("four-branch", "integration", HOW, COMMAND, found)
-
-
-if __name__ == "__main__":
-    write_all({"four_branch.json": compute})
+    write("four_branch", HOW, "python validation/references/four_branch.py", found)

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 from order_statistics import Distribution, Rules, below_bound, references, standard_normal_rule
-from tables import BINOMIAL_PROFILES, Grid, as_text, write_all
+from tables import BINOMIAL_PROFILES, Grid, write
 
 from uqfold.typing import FloatArray
 
@@ -42,7 +42,6 @@ HOW = (
     "X2, exact in X3; order-statistics integral over the largest response; trapezoidal rule over "
     "X1. The error is a bound: the change from a coarser resolution plus rounding."
 )
-COMMAND = "python validation/references/series.py"
 
 
 def unit(t: FloatArray, u: float, rules: Rules) -> Distribution:
@@ -57,10 +56,6 @@ def unit(t: FloatArray, u: float, rules: Rules) -> Distribution:
     return below_bound(z, 1.0 / (X3[1] * safe), weights)
 
 
-def compute() -> str:
-    """Return the text of ``series.json``."""
-    return as_text("series", "integration", HOW, COMMAND, references(unit, GRID, COARSE, FINE))
-
-
 if __name__ == "__main__":
-    write_all({"series.json": compute})
+    command = "python validation/references/series.py"
+    write("series", HOW, command, references(unit, GRID, COARSE, FINE))

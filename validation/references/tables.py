@@ -6,7 +6,7 @@ A reference file is JSON with one row per line, so that a change shows as a read
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from decimal import ROUND_UP, Context
 from itertools import product
@@ -61,6 +61,14 @@ class Grid:
         return [Reference(criterion, float(p), float(error)) for criterion, p, error in answers]
 
 
+def write(
+    stem: str, how: str, command: str, references: Iterable[Reference], kind: str = "integration"
+) -> None:
+    """Write the reference file of the problem of that name into the package."""
+    problem = stem.replace("_", "-")
+    write_text(SHIPPED / f"{stem}.json", as_text(problem, kind, how, command, references))
+
+
 def as_text(
     problem: str, kind: str, how: str, command: str, references: Iterable[Reference]
 ) -> str:
@@ -69,14 +77,13 @@ def as_text(
     pf has 13 digits, its error is rounded up to two.
     """
     head = {"schema": SCHEMA, "problem": problem, "kind": kind, "how": how, "command": command}
-    rows = []
-    for one in references:
-        row = asdict(one.criterion) | {
-            "pf": float(f"{one.pf:.12e}"),
-            "std_error": rounded_up(one.std_error),
-        }
-        rows.append(f"  {json.dumps(row)}")
-    text = json.dumps(head, indent=1)[:-2] + ',\n "rows": [\n' + ",\n".join(rows) + "\n ]\n}\n"
+    rows = [
+        asdict(one.criterion)
+        | {"pf": float(f"{one.pf:.12e}"), "std_error": rounded_up(one.std_error)}
+        for one in references
+    ]
+    lines = ",\n".join(f"  {json.dumps(row)}" for row in rows)
+    text = json.dumps(head, indent=1)[:-2] + f',\n "rows": [\n{lines}\n ]\n}}\n'
     parse_references(json.loads(text))
     return text
 
@@ -84,9 +91,3 @@ def as_text(
 def rounded_up(value: float) -> float:
     """Round a positive number up to two significant digits."""
     return float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(float(value))))
-
-
-def write_all(files: Mapping[str, Callable[[], str]]) -> None:
-    """Write shipped files: name -> the function that computes its text."""
-    for name, compute in files.items():
-        write_text(SHIPPED / name, compute())
