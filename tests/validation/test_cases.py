@@ -4,12 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from uqfold.provenance import source_digest
 from uqfold.validation import Work
 from uqfold.validation.case import Case, Fault, find_cases
 from uqfold.validation.kept import changes
 from uqfold.validation.measurement import claim_verdicts
 from uqfold.validation.record import read_case_record
-from uqfold.validation.runner import Validation, measuring
+from uqfold.validation.runner import FRAME, Validation, measuring, sources
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
@@ -55,6 +56,14 @@ def test_the_kept_verdict_comes_out_again(name: str, tmp_path: Path) -> None:
     record = Validation("quick", tmp_path).run(case)
     assert record.error == ""
     assert changes(read_case_record(case.kept("quick")), record) == ()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_code_that_is_measured_counts_as_what_the_numbers_come_from(name: str) -> None:
+    """Memory was measured by a program in a text, whose imports nobody followed."""
+    parts = source_digest(*sources(CASES[name]), without=FRAME)
+    measured = name == "paper" or {"uqfold/methods", "uqfold/mechanism"} & set(parts)
+    assert measured, list(parts)
 
 
 @pytest.mark.parametrize("name", CASES)

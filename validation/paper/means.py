@@ -32,9 +32,7 @@ def without_tau(results: Results) -> Iterator[Finding]:
     """Yield the smallest gain of the better condition over all T and m."""
     for name in BETTER:
         yield _smallest_gain(f"smallest gain of R, {name}", _gains(results, name, "no-sync"))
-        simulated = _gains(results, name, "check")
-        chosen = np.isinf(simulated["tau"]) & simulated["missions"].str.isdecimal()
-        yield _against(name, simulated[chosen])
+        yield _against(name, _simulated(results, name, synchronized=False))
 
 
 def on_the_climb(results: Results, climb: float) -> Iterator[Finding]:
@@ -44,11 +42,10 @@ def on_the_climb(results: Results, climb: float) -> Iterator[Finding]:
         later = wide(rows[rows["problem"] == worse], "threshold", "reliability")
         below = later.lt(climb * later.iloc[:, -1], axis=0)
         end = below.iloc[:, ::-1].idxmax(axis=1).min()
-        every = _gains(results, name, "sync")
-        climbing = every[every["threshold"] <= end]
-        yield _smallest_gain(f"smallest gain of R up to T = {end:g} s, {name}", climbing)
-        simulated = _simulated_with_tau(results, name)
-        yield _against(f"climb, {name}", simulated[simulated["threshold"] <= end])
+        gain = _gains(results, name, "sync").query("threshold <= @end")
+        yield _smallest_gain(f"smallest gain of R up to T = {end:g} s, {name}", gain)
+        simulated = _simulated(results, name, synchronized=True).query("threshold <= @end")
+        yield _against(f"climb, {name}", simulated)
 
 
 def on_the_plateau(results: Results) -> Iterator[Finding]:
@@ -57,7 +54,7 @@ def on_the_plateau(results: Results) -> Iterator[Finding]:
         last = at_largest_threshold(_gains(results, name, "sync"))
         T = last["threshold"].max()
         yield positive(f"smallest gain of R over tau at T = {T:g} s, {name}", last["gain"].min())
-        simulated = at_largest_threshold(_simulated_with_tau(results, name))
+        simulated = at_largest_threshold(_simulated(results, name, synchronized=True))
         yield _against(f"largest simulated T, {name}", simulated)
 
 
@@ -101,10 +98,11 @@ def _gains(results: Results, name: str, part: str) -> pd.DataFrame:
     return gains(results[f"example-4/{name}-{part}"], *BETTER[name])
 
 
-def _simulated_with_tau(results: Results, name: str) -> pd.DataFrame:
-    simulated = _gains(results, name, "check")
-    random = simulated["missions"].str.startswith("binomial")
-    return simulated[np.isfinite(simulated["tau"]) & random]
+def _simulated(results: Results, name: str, *, synchronized: bool) -> pd.DataFrame:
+    """Return simulated gains: of fixed missions, or of random ones with synchronization."""
+    gain = _gains(results, name, "check")
+    random = gain["missions"].str.startswith("binomial")
+    return gain[(random == synchronized) & (np.isfinite(gain["tau"]) == synchronized)]
 
 
 def _smallest_gain(what: str, found: pd.DataFrame) -> Finding:

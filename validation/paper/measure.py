@@ -11,7 +11,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 
 from uqfold.validation import Claim, Finding, Measurement, Work, verdict_of
-from validation.paper.faults import FAULTS
+from validation.paper.faults import plant
 from validation.paper.results import Results, read_results
 
 CLAIMS = {
@@ -48,8 +48,7 @@ def measure(work: Work) -> Measurement:
     """Judge all claims; the tiers do not differ."""
     results: Results = read_results()
     if work.fault is not None:
-        change = FAULTS[work.fault]
-        results = {name: change(table) for name, table in results.items()}
+        results = {name: plant(work.fault, table) for name, table in results.items()}
     judged = [judge(key, results) for key in CLAIMS]
     return Measurement(
         [finding for _, findings in judged for finding in findings],
