@@ -15,6 +15,7 @@ import typer
 from uqfold.cli.invocation import Invocation, flag, option, usage
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE, os_error_text, shown_path
 from uqfold.comparison.named_problems import available_problems, named_problem
+from uqfold.problems.catalogue.folder import titles
 from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def problem_lines() -> list[str]:
     return [f"{one.name:<{width}}  {one.description}" for one in problems.values()]
 
 
-_LISTED = "\n".join(f"  {line}" for line in problem_lines())
+_LISTED = "\n".join(f"  {line}" for line in problem_lines() if line.split()[0] not in titles())
 COMPARE_HELP = f"""Compare reliability methods on one problem.
 
 Runs every method on the same grid of criteria, prints one table, and writes records (CSV, JSON)
@@ -47,6 +48,7 @@ and figures (PNG, SVG).
 Problems:
 {_LISTED}
   FILE.py:FUNCTION             what a function of your own returns
+  and {len(titles())} limit states of the literature, which "uqfold problems" lists
 
 \b
 Examples:

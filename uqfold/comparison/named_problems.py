@@ -8,13 +8,14 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import choice, function, keep, text, whole
+from uqfold.problems.catalogue.folder import titles
 
 if TYPE_CHECKING:
     from uqfold.problems.base import Problem
@@ -52,7 +53,7 @@ class NamedProblem:
 
 
 def available_problems() -> dict[str, NamedProblem]:
-    """Return name -> problem with that name."""
+    """Return name -> problem with that name: the paper's, then the catalogue's."""
     listed = (
         ("folding-wing", "deployment time of four wings with clearances", 40_000),
         ("folding-wing-random-lengths", "the same with random lengths of crank and rod", 40_000),
@@ -60,9 +61,13 @@ def available_problems() -> dict[str, NamedProblem]:
         ("four-bar", "two four-bar linkages on a crank: a formula", 2_000_000),
         ("stress-strength", "redundant units under one stress: a formula", 2_000_000),
     )
-    return {
+    own = {
         name: NamedProblem(name, description, _of_the_package(name), max_evals)
         for name, description, max_evals in listed
+    }
+    return own | {
+        name: NamedProblem(name, title, partial(_of_the_catalogue, name), OWN_EVALS)
+        for name, title in titles().items()
     }
 
 
@@ -92,6 +97,12 @@ def named_problem(name: str) -> NamedProblem:
             "returns a uqfold.Problem"
         )
     return problems[choice("name", name, problems)]
+
+
+def _of_the_catalogue(name: str) -> Problem:
+    from uqfold.problems import catalogue
+
+    return catalogue.problem(name)
 
 
 def _of_the_package(name: str) -> Callable[[], Problem]:

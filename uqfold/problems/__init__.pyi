@@ -1,3 +1,4 @@
+from uqfold.problems import catalogue as catalogue
 from uqfold.problems.base import Problem as Problem
 from uqfold.problems.units import Unit as Unit
 from uqfold.problems.four_bar_linkage import four_bar as four_bar

@@ -1,0 +1,98 @@
+"""The catalogue: every limit state has a source, a reference that is found again, and a kind."""
+
+import re
+
+import numpy as np
+import pytest
+
+from uqfold.problems import Problem, catalogue
+from uqfold.problems.base import LIMIT_STATE_THRESHOLD
+from uqfold.problems.catalogue import limit_states
+from uqfold.problems.criterion import Criterion
+
+NAMES = list(catalogue.titles())
+CHEAP = [name for name in NAMES if not catalogue.entry(name).dear]
+PROBLEMS: dict[str, Problem] = {}
+
+
+def problem(name: str) -> Problem:
+    if name not in PROBLEMS:
+        PROBLEMS[name] = catalogue.problem(name)
+    return PROBLEMS[name]
+
+
+@pytest.mark.parametrize("name", CHEAP)
+def test_the_reference_is_found_again(name: str) -> None:
+    one = catalogue.entry(name)
+    pf, error = one.reference()
+    assert 0.0 <= error <= 1e-6 * pf
+    assert pf == pytest.approx(one.pf, rel=1e-10, abs=error + one.error)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if problem(name).inputs.dimension <= 6])
+def test_simulation_agrees_with_the_reference(name: str) -> None:
+    """Draws spread over a wider normal space, weighted; nothing of the derivation takes part."""
+    one, inputs = catalogue.entry(name), problem(name).inputs
+    d = inputs.dimension
+    spread = 2.0 if one.pf < 1e-3 else 1.0 + 2.0 / d
+    u = spread * np.random.default_rng(7).standard_normal((20_000, d))
+    weight = spread**d * np.exp(-0.5 * (u * u).sum(axis=1) * (1.0 - spread**-2))
+    fails = one.limit_state(inputs.from_standard_normal(u)) <= 0.0
+    assert fails.sum() >= 40
+    found = weight * fails
+    assert abs(found.mean() - one.pf) <= 4.0 * found.std() / np.sqrt(found.size) + one.error
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rows_stand_for_themselves(name: str) -> None:
+    one, built = catalogue.entry(name), problem(name)
+    assert built.name == name
+    assert built.n_units == 1
+    u = 1.5 * np.random.default_rng(3).standard_normal((40, built.inputs.dimension))
+    x = built.inputs.from_standard_normal(u)
+    before = x.copy()
+    g = one.limit_state(x)
+    np.testing.assert_array_equal(x, before)
+    assert g.shape == (40,)
+    assert g.dtype == np.float64
+    assert np.isfinite(g).all()
+    alone = [one.limit_state(x[i : i + 1])[0] for i in range(40)]
+    np.testing.assert_allclose(g, alone, rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(built.model(x), -g)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_an_entry_says_fits_together(name: str) -> None:
+    one, built = catalogue.entry(name), problem(name)
+    assert set(one.kinds) <= catalogue.KINDS.keys()
+    assert ("high dimension" in one.kinds) == (built.inputs.dimension >= 20)
+    assert ("rare" in one.kinds) == (one.pf < 2e-6)
+    assert ("frequent" in one.kinds) == (one.pf > 0.05)
+    assert one.units.keys() <= set(built.inputs.names)
+    assert re.search(r"\((19|20)\d\d\)", one.source)
+    assert len(one.how) > 10
+    assert 0.0 < one.error < 0.02 * one.pf
+    assert built.references is not None
+    kept = built.references.lookup(Criterion(LIMIT_STATE_THRESHOLD))
+    assert kept is not None
+    assert (kept.pf, kept.std_error) == (one.pf, one.error)
+
+
+def test_titles_tell_one_from_the_other() -> None:
+    titles = catalogue.titles()
+    assert len(set(titles.values())) == len(titles)
+    assert all(10 < len(title) < 90 for title in titles.values())
+
+
+def test_published_values_are_judged_by_their_last_digit() -> None:
+    one = catalogue.entry("rp55")
+    assert one.wrong() == {"Reliability problems repository": pytest.approx(0.36 / one.pf - 1.0)}
+    # 0.0313 is our 0.03132 to its digits
+    assert catalogue.entry("rp53").wrong() == {}
+    assert catalogue.entry("rp111").wrong() == {"otbenchmark": pytest.approx(-0.048, abs=1e-3)}
+
+
+def test_an_unknown_name_is_refused_with_the_choices() -> None:
+    with pytest.raises(ValueError, match=r"name = 'rp0': choose from .*'rp22'"):
+        catalogue.problem("rp0")
+    assert limit_states.__doc__

@@ -1,0 +1,1 @@
+"""One limit state of the literature a file, whose name is its name."""
