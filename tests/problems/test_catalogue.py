@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from uqfold.problems import Problem, catalogue
-from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.problems.catalogue import limit_states
-from uqfold.problems.criterion import Criterion
+from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criterion
 
 NAMES = list(catalogue.titles())
 CHEAP = [name for name in NAMES if not catalogue.entry(name).dear]

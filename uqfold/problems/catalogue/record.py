@@ -8,8 +8,8 @@ from decimal import Decimal
 from typing import Any
 
 from uqfold.inputs import joint_inputs
-from uqfold.problems.base import LIMIT_STATE_THRESHOLD, Problem
-from uqfold.problems.criterion import Criterion
+from uqfold.problems.base import Problem
+from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criterion
 from uqfold.problems.reference import Reference, ReferenceTable
 from uqfold.typing import FloatArray
 
