@@ -2,6 +2,9 @@
 
 import math
 import pickle
+from collections.abc import Callable
+from copy import copy, deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +16,7 @@ from hypothesis import strategies as st
 from uqfold import CutSets, KOutOfN, Parallel, Problem, Series, Unit, criteria
 from uqfold.inputs import normal
 from uqfold.methods import MonteCarlo
+from uqfold.problems import series
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.reference import ReferenceTable
@@ -188,7 +192,7 @@ def test_default_criteria_and_references_are_carried() -> None:
     table = ReferenceTable("p", "integration", "", "", {})
     problem = Problem(first_column, individual=TWO, default_criteria=grid, references=table)
     assert problem.default_criteria is grid
-    assert problem.references is table
+    assert problem.references == table
 
 
 # A plain limit state: failure when g <= 0, to the last bit.
@@ -265,9 +269,31 @@ def test_other_moments_keep_everything_but_references() -> None:
     assert (changed.units, changed.version, changed.name) == (4, "1", "first_column")
     assert changed.references is None
     assert problem.inputs.means.tolist() == [5.0, 0.0, 1.0]
-    assert problem.references is table
+    assert problem.references == table
 
 
 def test_a_limit_state_has_one_unit() -> None:
     with pytest.raises(ValueError, match="units = 2: a limit state has one unit"):
         Problem.from_limit_state(first_column, TWO, units=2)
+
+
+def test_a_problem_with_another_number_of_units() -> None:
+    """`dataclasses.replace` was refused; references are those of four units only."""
+    problem = series()
+    three = replace(problem, units=3)
+    assert (three.n_units, three.references, three.version) == (3, None, problem.version)
+    assert three.default_criteria == problem.default_criteria
+    assert replace(problem, units=4, name="four").references == problem.references
+
+
+@pytest.mark.parametrize("copied", [copy, deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_a_copy_keeps_its_references_until_it_asks_something_else(
+    copied: Callable[[Problem], Problem],
+) -> None:
+    """Whatever changes pf leaves them out."""
+    problem = copied(series())
+    assert replace(problem, name="copy").references is not None
+    other = problem.with_moments(means={"X2": 1.3}).inputs
+    assert replace(problem, inputs=other).references is None
+    assert replace(problem, structure=Parallel()).references is None
+    assert replace(problem, model=np.sum).references is None

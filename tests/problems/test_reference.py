@@ -153,7 +153,7 @@ def test_shipped_file_states_where_it_comes_from(path: Path) -> None:
 
 @pytest.mark.parametrize("name", list(SHIPPED))
 def test_problem_carries_its_references(name: str) -> None:
-    assert SHIPPED[name].references is load_references(name)
+    assert SHIPPED[name].references == load_references(name)
     assert load_references(name).problem == SHIPPED[name].name
     assert load_references(name).kind == ("simulation" if name == "folding_wing" else "integration")
 

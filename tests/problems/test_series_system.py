@@ -9,6 +9,7 @@ import pytest
 from tests.problems.system_simulation import z_scores
 from uqfold.problems import series
 from uqfold.problems.criterion import Binomial, Criterion
+from uqfold.problems.reference import load_references
 from uqfold.problems.series_system import series_response
 
 LIMIT = 4.5  # standard errors, for a dozen rows
@@ -92,7 +93,7 @@ def test_the_agreement_would_not_survive_another_response() -> None:
         shared=["X1"],
         units=4,
         names=["X1", "X2", "X3"],
-        references=problem.references,
+        references=load_references("series"),
     )
     assert np.abs(z_scores(shifted, CRITERIA, systems=100_000, seed=4_1)).max() > LIMIT
 

@@ -88,7 +88,7 @@ def test_other_code_has_another_version_so_that_no_store_serves_both(
 
 def test_values_of_table_6_given_again_are_example_3() -> None:
     again = folding_wing(means={"V_q": np.float64(140.0)}, standard_deviations={"b": 0.25})
-    assert again.references is folding_wing().references
+    assert again.references == folding_wing().references
     assert again.references is not None
     assert folding_wing_random_lengths().references is None
 

@@ -83,7 +83,7 @@ def joint_inputs(
         own = inputs.names if names is None else checked_names("names", names)
         if len(own) != inputs.dimension or tuple(shared) not in ((), own[: inputs.n_shared]):
             raise refused("inputs", inputs, "it says itself how many there are, and what is shared")
-        return replace(inputs, names=own)
+        return inputs if own == inputs.names else replace(inputs, names=own)
     distribution = _distribution("inputs", inputs)
     given = _resolved(names, [_Names.of(inputs, distribution)])
     shared = checked_names("shared", shared)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +79,8 @@ class Problem:
     default_criteria
         The criteria meant when none are given.
     references
-        Known answers with their own uncertainty.
+        Known answers with their own uncertainty. Those of another problem are left out if model,
+        inputs, units or structure differ, as with ``dataclasses.replace(problem, units=3)``.
 
     Raises
     ------
@@ -90,7 +91,7 @@ class Problem:
     model: Model
     inputs: JointInputs
     units: int | tuple[Unit, ...]
-    kinds: UnitKinds
+    kinds: UnitKinds = field(init=False)
     structure: SystemStructure
     low_fidelity: Model | None
     version: str | None
@@ -152,7 +153,7 @@ class Problem:
             "default_criteria": or_none(
                 "default_criteria", default_criteria, instance, Criteria, "give criteria(...)"
             ),
-            "references": _checked_references(references),
+            "references": references,
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
@@ -169,6 +170,7 @@ class Problem:
             object.__setattr__(self, "low_fidelity", kinds.partners[0])
         if not isinstance(self.structure, Series):
             checked_structure(self.structure, self.unit_names)
+        object.__setattr__(self, "references", self._own(references))
 
     @classmethod
     def from_limit_state(
@@ -233,6 +235,15 @@ class Problem:
         object.__setattr__(changed, "kinds", kinds)
         object.__setattr__(changed, "references", None)
         return changed
+
+    def _own(self, references: ReferenceTable | None) -> ReferenceTable | None:
+        """Return references if they are this problem's, not those of one that it is made from."""
+        from uqfold.problems.reference import ReferenceTable
+
+        or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")
+        if references is None:
+            return None
+        return references.answering(self.model, self.inputs, self.units, self.structure)
 
     @property
     def n_units(self) -> int:
@@ -316,9 +327,3 @@ def _names_of_shared(shared: Any) -> Sequence[str]:
         return checked_names("shared", shared)
     except (TypeError, ValueError) as error:
         raise type(error)(f"{error}; with inputs=, shared= is a list of input names") from None
-
-
-def _checked_references(references: ReferenceTable | None) -> ReferenceTable | None:
-    from uqfold.problems.reference import ReferenceTable
-
-    return or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -62,6 +62,7 @@ class ReferenceTable:
     how: str
     command: str
     entries: Mapping[Criterion, Reference]
+    _answered: tuple[Any, ...] | None = field(default=None, compare=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         keep(self, "problem", text)
@@ -75,6 +76,19 @@ class ReferenceTable:
     def lookup(self, criterion: Criterion) -> Reference | None:
         """Return the reference of exactly this criterion, or None; nothing is interpolated."""
         return self.entries.get(instance("criterion", criterion, Criterion, "give a Criterion"))
+
+    def answering(self, *question: Any) -> ReferenceTable | None:
+        """Return the references as those of one question, or None if they answer another.
+
+        Parameters
+        ----------
+        question
+            What pf depends on besides the criterion: model, inputs, units, structure.
+        """
+        if self._answered is None:
+            return replace(self, _answered=question)
+        same = (one is two or one == two for one, two in zip(self._answered, question, strict=True))
+        return self if all(same) else None
 
     def __iter__(self) -> Iterator[Reference]:
         return iter(self.entries.values())
