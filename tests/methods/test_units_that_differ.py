@@ -20,6 +20,7 @@ from uqfold import (
     CutSets,
     Evaluator,
     KOutOfN,
+    Parallel,
     Problem,
     Series,
     Structure,
@@ -336,16 +337,52 @@ def test_a_budget_is_divided_among_kinds() -> None:
 
 @pytest.mark.parametrize("structure", [SYSTEM, Series()])
 def test_a_design_point_for_each_sort_of_units(structure: SystemStructure) -> None:
-    """FORM took equal units only; linear ones that differ are exact, in series with an error."""
+    """FORM took equal units only, and left those not in series ``unchecked``; it is exact here."""
     units = [*PUMPS, VALVE, Unit(valve, VALVE.individual, 0.1, name="spare")]
     problem = Problem(pump, **INPUTS, units=units, structure=structure)
     asked = [*CRITERIA, Criterion(4.0), Criterion(math.inf)]
     result = OpenTURNSFORM().estimate(problem, asked, rng=2)
     for criterion, row in zip(asked[:-1], result, strict=False):
         assert row.pf == pytest.approx(exact(units, structure, criterion), rel=1e-8)
-        assert row.status == ("converged" if structure == Series() else "unchecked")
+        assert row.status == "converged"
+        assert row.std_error < 0.05 * row.pf
     assert (result[4].pf, result[4].status) == (0.0, "doubtful")
     assert result[0].n_evals_row < result.n_evals
+
+
+@pytest.mark.parametrize(
+    ("bend", "start", "threshold"),
+    [
+        (0.0, 0.0, 2.2),
+        # what units share does less than their planes say, beyond the design point of each
+        (-3.0, 3.0, 2.2),
+        # and a cause that all have in common, too rare to matter to one of them
+        (5.0, 4.0, 3.2),
+    ],
+)
+def test_planes_are_looked_at_where_units_that_differ_fail_together(
+    bend: float, start: float, threshold: float
+) -> None:
+    """In parallel FORM was ``unchecked`` whatever the response did there."""
+
+    def shared(v: FloatArray) -> FloatArray:
+        return 0.6 * v + bend * np.maximum(v - start, 0.0)
+
+    offsets = np.array([0.0, -0.3, 0.2])
+    units = [Unit(offset=offset) for offset in offsets]
+    problem = Problem(
+        lambda x: shared(x[:, 0]) + 0.8 * x[:, 1], **INPUTS, units=units, structure=Parallel()
+    )
+    z = np.linspace(-9.0, 9.0, 9001)
+    chance = ndtr((shared(z) + offsets[:, None] - threshold) / 0.8).prod(axis=0)
+    truth = np.trapezoid(chance * np.exp(-0.5 * z**2), z) / math.sqrt(2.0 * math.pi)
+    row = OpenTURNSFORM().estimate(problem, Criterion(threshold))[0]
+    if bend == 0.0:
+        assert row.status == "converged"
+        assert row.pf == pytest.approx(truth, rel=1e-8)
+    else:
+        assert abs(row.pf / truth - 1.0) > 0.05
+        assert row.status == "doubtful"
 
 
 def test_a_curved_limit_state_of_one_sort_is_doubted() -> None:

@@ -8,13 +8,11 @@ relative ones of the smaller of the two probabilities of one unit, as natural lo
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from uqfold.methods.design_point import NOTICEABLE, Search, SecondLook
-from uqfold.methods.design_point_of_system import SystemPlace
 from uqfold.methods.result import NORMAL_95, Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
@@ -286,16 +284,16 @@ def with_error(
     problem: Problem,
     missions: Missions,
     target: float,
-    places: Sequence[SystemPlace] = (),
+    departure: float = 0.0,
 ) -> Estimate:
     """Add to FORM's answer the error that the second look shows, and the verdict by it.
 
     In one unit curvatures of opposite signs cancel; in a system, where shared and individual inputs
     do different things, each counts. How units go together is also taken from where the search
-    started, and from the places where the system fails, and the difference counts. What is wrong
-    about one unit may be a cause that all of them have in common: in no structure is what is seen
-    to be wrong smaller than it would be in series. FORM is believed up to the `target`, an error
-    relative to the smaller probability.
+    started, and the difference counts, as does the `departure` where the system fails. What is
+    wrong about one unit may be a cause that all of them have in common: in no structure is what is
+    seen to be wrong smaller than it would be in series. FORM is believed up to the `target`, an
+    error relative to the smaller probability.
     """
     from scipy.special import log_ndtr
 
@@ -334,7 +332,7 @@ def with_error(
         for change, system in ((total, units), (total - LEAST, SystemUnits(units.count)))
     )
     error += distance(beta, shared_at_start, units)
-    apart = sum(one.weight * distance(one.beta, one.rho, units) for one in places)
+    apart = departure * min(own)
     error += apart
     if error <= target * min(own) and estimate.status == "unchecked":
         half = NORMAL_95 * error

@@ -1,97 +1,160 @@
-"""Whether the plane at one unit's design point still holds where the system fails.
+"""Whether the planes at the units' design points still hold where the system fails.
 
 Units that stand in for each other fail together mostly where what they share is far out, further
-than at the design point of one unit. So the response is looked at there as well.
+than at the design point of one unit. There the responses are run as well: at places of the shared
+inputs that are drawn where the system of planes fails, or nearly does, each unit is followed along
+its own part of its design direction to where it fails, at a random place beside that line. Given
+the shared inputs the units are independent, so that the structure makes of these conditional
+probabilities that of the system; how far it is from what the planes say, averaged over the places,
+is what the planes miss.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
 from uqfold.methods.design_point import Search
-from uqfold.methods.standard_space import SEARCH_RADIUS, NoGradientError, StandardSpaceResponse
+from uqfold.methods.standard_space import SEARCH_RADIUS, StandardSpaceResponse
 from uqfold.problems.criterion import Missions
-from uqfold.system.linearised import common_factor, linearised_failure
+from uqfold.system.linearised_units import Planes, PlanesGiven, failure_of_planes
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 NOTICED = 0.1
 """Share of the system's probability from which a common cause of its own is looked for."""
+PLACES = 32
+"""Places of the shared inputs that are looked at."""
+BESIDE = 3
+"""Most lines of one sort of units at each place, one for each of its units."""
+NEARLY = 0.5
+"""Half of the places are where the system fails with all planes so much nearer."""
+LEAST_OWN = 0.3
+"""A unit with less of its own than this is looked at as if it had so much: else it would fail at a
+place or not, and a small distance between the two would mostly go unseen."""
+STRAIGHT = 0.02
+"""A line is followed further if the response leaves the plane by more than this (in standard
+deviations of what is the unit's own)."""
+FURTHER = 3
 
 
-@dataclass(frozen=True)
-class SystemPlace:
-    """The plane of one unit as it is seen where the system fails, or works.
-
-    Attributes
-    ----------
-    weight
-        Share of that event which the place stands for.
-    beta, rho
-        Reliability index of the unit, and correlation of two units; NaN where there is no plane.
-    """
-
-    weight: float
-    beta: float
-    rho: float
-
-
-def places_of_system(
-    response: StandardSpaceResponse,
-    search: Search,
+def departure_of_system(
+    responses: Sequence[StandardSpaceResponse],
+    searches: Sequence[Search],
     n_shared: int,
     units: SystemUnits,
     missions: Missions,
-) -> list[SystemPlace]:
-    """Look at three places where the rarer of failure and success of a system comes from.
+) -> float:
+    """Return what the planes miss where the system fails, relative to the smaller probability.
 
-    They are the nodes of three-point Gauss quadrature over what units share along the design
-    direction; what is a unit's own takes it to its limit state. Before, the axes of shared inputs
-    are looked at as far out as a cause of failure may begin that all units have in common. Takes
-    2 (d + d_shared) + 3 runs; none for units in series, which fail near the design point of one.
+    Before, the axes of shared inputs are looked at as far out as a cause of failure may begin that
+    all units have in common; where one does, the answer is infinite. Nothing is asked of units in
+    series, which fail near the design points of one.
+
+    Parameters
+    ----------
+    responses, searches
+        Of each sort of units (J,).
+    n_shared
+        Number of shared inputs.
+    units, missions
+        The system.
 
     Raises
     ------
     BudgetExceededError
         If the runs do not fit.
     """
+    if units.diagram is None or units.count == 1:
+        return 0.0
+    betas = np.array([one.best.beta(one.threshold) for one in searches])
+    shared = np.array([one.best.alpha[:n_shared] for one in searches])
+    own = np.sqrt(np.maximum(0.0, 1.0 - (shared**2).sum(axis=1)))
+    length = np.hypot(np.linalg.norm(shared, axis=1), np.maximum(own, LEAST_OWN))
+    planes = Planes(betas / length, shared / length[:, None])
+    found = failure_of_planes(planes, units, missions)
+    rarer = 0 if found.pf <= found.reliability else 1
+    small = (found.pf, found.reliability)[rarer]
+    side = 1.0 - 2.0 * rarer
+    if small == 0.0:
+        return math.inf
+    if _common_cause(responses, searches, n_shared, NOTICED * small, side):
+        return math.inf
+    nearer = planes.with_betas(planes.betas - side * NEARLY)
+    more = failure_of_planes(nearer, units, missions)
+    both = small, (more.pf, more.reliability)[rarer]
+    rng = np.random.default_rng(0)
+    given = [PlanesGiven(one, units, missions) for one in (planes, nearer)]
+    places = np.concatenate([one.drawn(rarer, PLACES // 2, rng) for one in given])
+    by_planes = [one.at(places)[rarer] for one in given]
+    density = sum(chance / whole for chance, whole in zip(by_planes, both, strict=True)) / 2.0
+    indices = [
+        _indices(response, search, places, count, rng)
+        for response, search, count in zip(responses, searches, units.counts, strict=True)
+    ]
+    seen = given[0].of_indices(indices)[rarer]
+    changes = (seen - by_planes[0]) / density / small
+    return float(abs(changes.mean()) + changes.std(ddof=1) / math.sqrt(PLACES))
+
+
+def _common_cause(
+    responses: Sequence[StandardSpaceResponse],
+    searches: Sequence[Search],
+    n_shared: int,
+    noticed: float,
+    side: float,
+) -> bool:
+    """Whether units fail far out on an axis of shared inputs where their planes let them work."""
     from scipy.special import ndtri
 
-    best = search.best
-    beta, alpha = best.beta(search.threshold), best.alpha
-    rho = float(np.sum(alpha[:n_shared] ** 2))
-    if units.diagram is None or n_shared == 0:
-        return []
-    rho = min(1.0, rho)
-    pf, reliability = linearised_failure(beta, rho, units, missions)
-    side = 1.0 if pf <= reliability else -1.0
-    share = NOTICED * min(pf, reliability) / (2 * n_shared)
-    far = min(SEARCH_RADIUS, -float(ndtri(share))) * np.eye(n_shared, alpha.size)
-    axes = np.vstack([far, -far])
-    by_plane = side * (axes @ alpha - beta)
-    seen = side * (response.values(axes) - search.threshold)
-    if ((seen > 0.0) & (by_plane < 0.0)).any():
-        return [SystemPlace(1.0, math.nan, rho)]
-    if not 1e-9 < rho < 1.0 - 1e-9:
-        return []
-    mean, std = common_factor(beta, rho, units, missions, fails=pf <= reliability)
+    if n_shared == 0:
+        return False
+    reach = min(SEARCH_RADIUS, -float(ndtri(noticed / (2 * n_shared))))
+    for response, search in zip(responses, searches, strict=True):
+        best = search.best
+        axes = reach * np.eye(n_shared, best.alpha.size)
+        axes = np.vstack([axes, -axes])
+        by_plane = side * (axes @ best.alpha - best.beta(search.threshold))
+        seen = side * (response.values(axes) - search.threshold)
+        if ((seen > 0.0) & (by_plane < 0.0)).any():
+            return True
+    return False
 
-    def point(z: float) -> FloatArray:
-        own = (beta - math.sqrt(rho) * z) / (1.0 - rho)
-        return np.concatenate([z / math.sqrt(rho) * alpha[:n_shared], own * alpha[n_shared:]])
 
-    try:
-        centre = response.linearise(point(mean))
-    except NoGradientError:
-        return [SystemPlace(1.0, math.nan, rho)]
-    here = min(1.0, float(np.sum(centre.alpha[:n_shared] ** 2)))
-    spread = math.sqrt(3.0) * std
-    sides = response.values(np.array([point(mean - spread), point(mean + spread)]))
-    indices = beta - (sides - search.threshold) / best.slope
-    return [
-        SystemPlace(2.0 / 3.0, centre.beta(search.threshold), here),
-        *(SystemPlace(1.0 / 6.0, index, rho) for index in indices.tolist()),
-    ]
+def _indices(
+    response: StandardSpaceResponse,
+    search: Search,
+    places: FloatArray,
+    count: int,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Reliability indices (lines, K) of a unit at places (K, s) of what is shared."""
+    best, n_shared = search.best, places.shape[1]
+    beta = best.beta(search.threshold)
+    shared, individual = np.split(best.alpha, [n_shared])
+    own = float(np.linalg.norm(individual))
+    along = individual / own if own > 0.0 else individual
+    lines = min(count, BESIDE) if individual.size > 1 else 1
+    places = np.tile(places, (lines, 1))
+    gap = beta - places @ shared
+    beside = rng.standard_normal((len(places), individual.size))
+    followed = own >= LEAST_OWN
+    ahead = gap / own if followed else beside @ along
+    beside -= np.outer(beside @ along, along)
+    room = SEARCH_RADIUS**2 - (places**2).sum(axis=1) - (beside**2).sum(axis=1)
+    most = np.sqrt(np.maximum(0.0, room))
+    index, active = gap / max(own, LEAST_OWN), np.arange(len(places))
+    for _ in range(1 + FURTHER * followed):
+        steps = np.clip(ahead[active], -most[active], most[active])
+        u = np.hstack([places[active], np.outer(steps, along) + beside[active]])
+        margin = (response.values(u) - search.threshold) / best.slope
+        left = margin - (own * steps - gap[active])
+        former = index[active]
+        index[active] = (gap[active] - left) / max(own, LEAST_OWN)
+        ahead = index
+        active = active[np.abs(index[active] - former) > STRAIGHT]
+        if not active.size:
+            break
+    return index.reshape(lines, -1)

@@ -3,18 +3,18 @@
 Each point gives a plane; what units share ties the planes together, see
 `uqfold.system.linearised_units`. The errors that a second look shows at each point move all planes
 at once, forth and back. In series the error of the system follows from them; where units stand in
-for each other they fail together elsewhere than at their own points, where nobody has looked, and
-the answer stays ``unchecked``.
+for each other they fail together elsewhere than at their own points, and are looked at there, too.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from uqfold.evaluation import BudgetExceededError
 from uqfold.methods.design_point import Search
 from uqfold.methods.design_point_check import LEAST, found_elsewhere, index_moved
 from uqfold.methods.result import NORMAL_95, Estimate, Status
@@ -34,6 +34,7 @@ def estimate_of_units(
     units: SystemUnits,
     missions: Missions,
     target: float,
+    departure: Callable[[], float],
 ) -> Estimate:
     """Answer one criterion from the searches of all sorts of units.
 
@@ -49,6 +50,8 @@ def estimate_of_units(
         The system.
     target
         Largest stated error, relative to the smaller probability, of one that is converged.
+    departure
+        Looks at what the planes miss where the system fails, see `departure_of_system`.
     """
     status, message = max(verdicts, key=lambda one: _WORSE.index(one[0]))
     if status == "failed":
@@ -60,6 +63,11 @@ def estimate_of_units(
     if status != "unchecked" or any(one.look is None or one.cut for one in searches):
         return estimate
     small = min(found.pf, found.reliability)
+    try:
+        departed = departure()
+    except BudgetExceededError as problem:
+        message = f"not looked at where the system fails: {problem}"
+        return replace(estimate, status="budget_exhausted", message=message)
 
     def distance(other: Planes, system: SystemUnits) -> float:
         """How far another answer is from that of the planes, in the smaller probability."""
@@ -75,7 +83,7 @@ def estimate_of_units(
         for change, system in ((changes, units), (changes - LEAST, in_series))
     )
     at_start = np.array([one.start.alpha[:n_shared] for one in searches])
-    error += distance(replace(planes, shared=at_start), units)
+    error += distance(replace(planes, shared=at_start), units) + departed * small
     if error > target * small:
         worst = betas[int(changes.argmax())]
         reason = (
@@ -83,8 +91,6 @@ def estimate_of_units(
             f"be {error:.2g} off"
         )
         return replace(estimate, status="doubtful", message=reason)
-    if units.diagram is not None:
-        return replace(estimate, message="not looked at where units that differ fail together")
     return replace(
         estimate,
         std_error=error,

@@ -31,7 +31,7 @@ from uqfold.methods.design_point import (
     verdict,
 )
 from uqfold.methods.design_point_check import Surroundings, with_error
-from uqfold.methods.design_point_of_system import places_of_system
+from uqfold.methods.design_point_of_system import departure_of_system
 from uqfold.methods.design_points_of_units import estimate_of_units
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.standard_space import (
@@ -43,7 +43,7 @@ from uqfold.methods.standard_space import (
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import FORM
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criterion
+from uqfold.problems.criterion import Criterion, Missions
 from uqfold.system.linearised import linearised_failure
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
@@ -190,6 +190,12 @@ class OpenTURNSFORM(ReliabilityMethod):
         # at an infinite threshold
         alike = SystemUnits(units.count, units.diagram)
 
+        def departure(own: Sequence[Search], missions: Missions) -> float:
+            of_sorts = [responses[kind] for kind in units.of_kinds.tolist()]
+            for response in responses:
+                response.allowed = session.n_evals + session.remaining
+            return departure_of_system(of_sorts, own, kinds.n_shared, units, missions)
+
         def of_units(criterion: Criterion) -> Estimate:
             thresholds = units.thresholds(criterion.threshold).tolist()
             keys = list(zip(units.of_kinds.tolist(), thresholds, strict=True))
@@ -199,10 +205,17 @@ class OpenTURNSFORM(ReliabilityMethod):
                 for (kind, _), search in zip(keys, own, strict=True)
             ]
             spent = n_start + sum(searches[key].n_evals for key in dict.fromkeys(keys))
+            before = session.n_evals
             estimate = estimate_of_units(
-                own, verdicts, kinds.n_shared, units, criterion.missions, self.target_cov
+                own,
+                verdicts,
+                kinds.n_shared,
+                units,
+                criterion.missions,
+                self.target_cov,
+                partial(departure, own, criterion.missions),
             )
-            return replace(estimate, n_evals_row=spent)
+            return replace(estimate, n_evals_row=spent + session.n_evals - before)
 
         def answer(criterion: Criterion) -> Estimate:
             if math.isinf(criterion.threshold):
@@ -213,7 +226,7 @@ class OpenTURNSFORM(ReliabilityMethod):
                 return Estimate(pf, reliability, status="doubtful", message=message)
             if units.of_sorts is not None:
                 return of_units(criterion)
-            [response], search = responses, searches[0, criterion.threshold]
+            search = searches[0, criterion.threshold]
             point = points[0, criterion.threshold]
             status, message = verdict(search, starts[0], self.tolerance)
             if status == "failed":
@@ -230,18 +243,22 @@ class OpenTURNSFORM(ReliabilityMethod):
             )
             if search.look is None or search.cut:
                 return estimate
-            before, response.allowed = session.n_evals, session.n_evals + session.remaining
+            before = session.n_evals
             try:
-                places = places_of_system(
-                    response, search, problem.inputs.n_shared, units, criterion.missions
-                )
+                departed = departure([search], criterion.missions)
             except BudgetExceededError as error:
                 message = f"not looked at where the system fails: {error}"
                 return replace(estimate, status="budget_exhausted", message=message)
             spent = n_start + point.n_evals + session.n_evals - before
             estimate = replace(estimate, n_evals_row=spent)
             return with_error(
-                estimate, search, search.look, problem, criterion.missions, self.target_cov, places
+                estimate,
+                search,
+                search.look,
+                problem,
+                criterion.missions,
+                self.target_cov,
+                departed,
             )
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]

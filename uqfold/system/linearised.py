@@ -85,33 +85,6 @@ def linearised_failure(
     return float(pf[0]), float(reliability[0])
 
 
-def common_factor(
-    beta: float, rho: float, units: SystemUnits, missions: Missions, *, fails: bool
-) -> tuple[float, float]:
-    """Mean and standard deviation of Z, of which all units know, where the system fails or works.
-
-    Parameters
-    ----------
-    beta, rho, units, missions
-        As in `linearised_failures`, but 0 < rho < 1, and one number of missions.
-    fails
-        Whether Z is asked for where the system fails, or where it works.
-    """
-
-    def integrand(z: FloatArray) -> FloatArray:
-        x = (math.sqrt(rho) * z - beta) / math.sqrt(1.0 - rho)
-        chance = _over_units(x, units, [missions])[0 if fails else 1][0]
-        moments = np.stack([np.ones_like(z), z, z**2])
-        return np.asarray(chance * np.exp(-0.5 * z**2) * moments)
-
-    edges = _edges(beta, rho)
-    total, first, second = integrate(integrand, edges, np.zeros(3)).tolist()
-    if not total > 0.0:
-        return 0.0, 1.0
-    mean = first / total
-    return mean, math.sqrt(max(0.0, second / total - mean**2))
-
-
 def _edges(beta: float, rho: float) -> FloatArray:
     """Where to divide an integral over z."""
     # around z = beta / sqrt(rho) a unit changes from working to failing, over this width

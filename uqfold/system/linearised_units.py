@@ -13,7 +13,7 @@ accurate for smooth integrands, halved until nothing changes; more are drawn whe
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +34,8 @@ _STEPS = {2: (0.4, 0.2, 0.1, 0.05), 3: (0.8, 0.4, 0.25)}
 _CHANGE = 1e-9
 """Relative change of an answer that asks for no finer steps."""
 _BLOCK, _DRAWN, _GROUPS = 16_384, 1 << 16, 16
+_TRIED = 1 << 13
+"""Places that are tried for those that are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +67,8 @@ class FactorIntegral:
     error: float
 
 
-def failure_of_planes(planes: Planes, units: SystemUnits, missions: Missions) -> FactorIntegral:
-    """Failure of a system of linearised units that differ.
+class PlanesGiven:
+    """Failure and success of a system of linearised units, given what they share.
 
     Parameters
     ----------
@@ -76,6 +78,76 @@ def failure_of_planes(planes: Planes, units: SystemUnits, missions: Missions) ->
         The units and their structure.
     missions
         A fixed or a binomial number.
+    """
+
+    def __init__(self, planes: Planes, units: SystemUnits, missions: Missions) -> None:
+        left, sizes, right = np.linalg.svd(planes.shared, full_matrices=False)
+        kept = sizes > _PARALLEL * max(1.0, float(sizes.max(initial=0.0)))
+        self.betas, self.units, self.missions = planes.betas, units, missions
+        self.factors: FloatArray = left[:, kept] * sizes[kept]
+        """Coordinates (J, r) of the shared parts in their own span."""
+        self.span: FloatArray = right[kept]
+        """That span: r unit vectors (r, s)."""
+        self.own = np.sqrt(np.maximum(0.0, 1.0 - (self.factors**2).sum(axis=1)))
+        """Lengths (J,) of the parts that are the units' own."""
+
+    @property
+    def n_factors(self) -> int:
+        """Number of independent directions r."""
+        return int(self.factors.shape[1])
+
+    def __call__(self, z: FloatArray) -> FloatArray:
+        """Failure and success (2, N) at the factors z (r, N)."""
+        gap = self.betas[:, None] - self.factors @ z
+        own = self.own[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = np.where(own > 0.0, gap / own, np.where(gap < 0.0, -np.inf, np.inf))
+        return self.of_indices(list(x[:, None]))
+
+    def at(self, shared: FloatArray) -> FloatArray:
+        """Failure and success (2, N) at shared variables (N, s)."""
+        return self(self.span @ shared.T)
+
+    def of_indices(self, indices: Sequence[FloatArray]) -> FloatArray:
+        """Failure and success (2, N) given the reliability indices of each sort of units.
+
+        Of a sort there may be several (lines, N), each as likely as the others.
+        """
+        from scipy.special import ndtr
+
+        check_time()
+        fails, works = (
+            np.stack([ndtr(sign * one).mean(axis=0) for one in indices]) for sign in (-1.0, 1.0)
+        )
+        failure, success = self.units.mission(fails, works)
+        return np.stack(over_missions(failure, success, self.missions))
+
+    def drawn(self, which: int, count: int, rng: np.random.Generator) -> FloatArray:
+        """Draw shared variables (count, s) where the system fails (which = 0) or works (1).
+
+        They are spread evenly over the direction in which such places vary most.
+        """
+        free = rng.standard_normal((count, self.span.shape[1]))
+        if self.n_factors == 0:
+            return free
+        places = failure_places(lambda z: self(z.T)[which][None], self.n_factors, rng)
+        tried = places.draw(_TRIED, rng)
+        weights = self(tried.T)[which] * np.exp(-places.log_density(tried))
+        spread = np.cov(tried.T, aweights=weights).reshape(self.n_factors, -1)
+        order = np.argsort(tried @ np.linalg.eigh(spread)[1][:, -1])
+        ends = np.cumsum(weights[order])
+        chosen = order[np.searchsorted(ends / ends[-1], (np.arange(count) + rng.random()) / count)]
+        free -= free @ self.span.T @ self.span
+        return np.asarray(free + tried[chosen] @ self.span)
+
+
+def failure_of_planes(planes: Planes, units: SystemUnits, missions: Missions) -> FactorIntegral:
+    """Failure of a system of linearised units that differ.
+
+    Parameters
+    ----------
+    planes, units, missions
+        As in `PlanesGiven`.
 
     Raises
     ------
@@ -84,39 +156,18 @@ def failure_of_planes(planes: Planes, units: SystemUnits, missions: Missions) ->
     """
     if np.isnan(planes.betas).any():
         raise ValueError("a beta is NaN: FORM gave no design point")
-    factors = _factors(planes.shared)
-    own = np.sqrt(np.maximum(0.0, 1.0 - (factors**2).sum(axis=1)))[:, None]
-
-    def given(z: FloatArray) -> FloatArray:
-        """Failure and success (2, N) at the factors z (r, N)."""
-        from scipy.special import ndtr
-
-        check_time()
-        gap = factors @ z - planes.betas[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            x = np.where(own > 0.0, gap / own, np.where(gap > 0.0, np.inf, -np.inf))
-        failure, success = units.mission(ndtr(x), ndtr(-x))
-        return np.stack(over_missions(failure, success, missions))
-
-    n_factors = factors.shape[1]
-    if n_factors == 0:
+    given = PlanesGiven(planes, units, missions)
+    if given.n_factors == 0:
         failure, success = given(np.zeros((0, 1)))[:, 0].tolist()
         return FactorIntegral(failure, success, 0.0)
-    if n_factors == 1:
-        edges = _edges(planes.betas, factors[:, 0], own[:, 0])
+    if given.n_factors == 1:
+        edges = _edges(planes.betas, given.factors[:, 0], given.own)
         found = integrate(lambda z: given(z[None]) * _density(z[None]), edges, np.zeros(2))
         failure, success = np.minimum(found, 1.0).tolist()
         return FactorIntegral(failure, success, 0.0)
-    if n_factors in _STEPS:
-        return _by_steps(given, n_factors)
-    return _by_draws(given, n_factors)
-
-
-def _factors(shared: FloatArray) -> FloatArray:
-    """Coordinates (J, r) of the shared parts in their own span."""
-    left, sizes, _ = np.linalg.svd(shared, full_matrices=False)
-    kept = sizes > _PARALLEL * max(1.0, float(sizes.max(initial=0.0)))
-    return np.asarray(left[:, kept] * sizes[kept])
+    if given.n_factors in _STEPS:
+        return _by_steps(given, given.n_factors)
+    return _by_draws(given, given.n_factors)
 
 
 def _density(z: FloatArray) -> FloatArray:
