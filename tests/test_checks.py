@@ -224,3 +224,11 @@ def test_the_text_of_an_error_is_short_and_visible_whatever_it_holds():
     assert told.endswith("a last")
     assert len(told) < 450
     assert told.isprintable()
+
+
+def test_a_name_that_is_nearly_right_is_guessed() -> None:
+    """All names are listed nevertheless."""
+    with pytest.raises(ValueError, match=r"did you mean 'kriging'\? choose from 'mc', 'kriging'"):
+        checks.choice("method", "Krigng", ["mc", "kriging"])
+    with pytest.raises(ValueError, match=r"'xyz': choose from"):
+        checks.choice("method", "xyz", ["mc", "kriging"])

@@ -21,6 +21,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
+from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import Path
 from reprlib import Repr
@@ -183,6 +184,10 @@ def choice(name: str, value: object, options: Iterable[T]) -> T:
         if right_kind and simple == option:
             return option
     remedy = f"choose from {', '.join(map(shown, offered))}"
+    if isinstance(simple, str):
+        names = [option for option in offered if isinstance(option, str)]
+        if meant := get_close_matches(simple.lower().replace("_", "-"), names, n=1):
+            remedy = f"did you mean {meant[0]!r}? {remedy}"
     raise refused(name, value, remedy, ValueError if right_kind else TypeError)
 
 

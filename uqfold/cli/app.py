@@ -50,6 +50,7 @@ app = typer.Typer(
     help=_APP_HELP,
     no_args_is_help=True,
     add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     # plain messages: they stay whole, and can be searched and copied
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -82,7 +82,7 @@ def compare_methods(
         option("M", "Number of missions, or PLANNED:P for a binomial number; may be repeated."),
     ] = None,
     max_evals: Annotated[
-        int | None, option("N", "Most evaluations per method. Default: suits the problem.")
+        float | None, option("N", "Most evaluations per method. Default: suits the problem.")
     ] = None,
     seed: Annotated[int, option("N", "Seed of every method.")] = 0,
     out: Annotated[
@@ -117,6 +117,7 @@ def compare_methods(
     from uqfold.comparison.run import run_comparison
     from uqfold.evaluation import Dask, Evaluator
     from uqfold.methods import available
+    from uqfold.methods.arguments import checked_budget
     from uqfold.provenance import shown_command
     from uqfold.report.progress import ComparisonProgressBar
 
@@ -142,7 +143,7 @@ def compare_methods(
             asked,
             methods,
             chosen_criteria(asked.default_criteria, threshold, tau, missions),
-            max_evals=chosen.max_evals if max_evals is None else max_evals,
+            max_evals=chosen.max_evals if max_evals is None else checked_budget(max_evals),
             rng=seed,
             evaluator=evaluator,
             progress=progress,

@@ -73,7 +73,7 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
     return criteria if isinstance(criteria, Criteria) else Criteria(criteria)
 
 
-def checked_budget(max_evals: int | None) -> int | None:
+def checked_budget(max_evals: float | None) -> int | None:
     """Return the budget as a whole number, or None for no budget.
 
     Raises
