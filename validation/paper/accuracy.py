@@ -44,11 +44,9 @@ def errors(results: Results, small: float, seen: float) -> Iterator[Finding]:
         tail = rows[in_tail & (rows["value"] > rows["resolution"])]
         if not tail.empty:
             worst = tail.loc[tail["value"].idxmax()]
-            yield Finding(
-                f"largest relative error in the tail, pf < {seen:g}, {label}",
-                float(worst["value"]),
-                remark=f"{_where(worst)}; beyond what the paper's Monte Carlo could judge",
-            )
+            what = f"largest relative error in the tail, pf < {seen:g}, {label}"
+            remark = f"{_where(worst)}; beyond what the paper's Monte Carlo could judge"
+            yield Finding(what, worst["value"], remark=remark)
 
 
 def sample_sizes(results: Results) -> Iterator[Finding]:
@@ -56,12 +54,9 @@ def sample_sizes(results: Results) -> Iterator[Finding]:
     for study, runs in RUNS.items():
         rows = pd.concat([results[name] for name in NO_SYNC[study] + SYNC[study]])
         counts = rows.loc[rows["label"].isin(METHODS), "n_evals"].unique()
-        yield Finding(
-            f"largest distance from {runs:,} evaluations, {study}",
-            float(abs(counts - runs).max()),
-            0.0,
-            remark=f"both methods: {', '.join(f'{count:.0f}' for count in sorted(counts))}",
-        )
+        what = f"largest distance from {runs:,} evaluations, {study}"
+        remark = f"both methods: {', '.join(f'{count:.0f}' for count in sorted(counts))}"
+        yield Finding(what, abs(counts - runs).max(), 0.0, remark=remark)
 
 
 def _compared(results: Results) -> Iterator[tuple[str, pd.DataFrame, bool]]:
@@ -83,11 +78,10 @@ def _compared(results: Results) -> Iterator[tuple[str, pd.DataFrame, bool]]:
 def _largest(what: str, rows: pd.DataFrame, limit: float, *, named: bool) -> Finding:
     """Return the largest ``value``; what the text does not name is quoted without the limit."""
     worst = rows.loc[rows["value"].idxmax()]
-    value = float(worst["value"])
+    value, uncertainty = worst["value"], worst["resolution"]
     remark = f"{_where(worst)}; median {rows['value'].median():.2g}"
     if not named and value > limit:
         remark += f"; beyond {limit:g}, in a part that the text does not name"
-    uncertainty = float(worst["resolution"])
     return Finding(what, value, limit if named else None, uncertainty=uncertainty, remark=remark)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from uqfold.validation import Finding
-from validation.paper.results import Results, contradictions, gains, positive
+from validation.paper.results import Results, at_least, contradictions, gains
 
 SMALLER = {
     "V_q": ("condition-11", "condition-12"),
@@ -28,10 +28,10 @@ def overtaking(results: Results, part: str, clear: float) -> Iterator[Finding]:
         what = f"lowest relative difference of R, largest over {OVER[part]}, {name}"
         yield _trough(what, relative, clear, f"in R {gain.min(axis=1).max():.2g} at least")
         what = f"difference of R at the largest T, smallest over {OVER[part]}, {name}"
-        yield positive(what, gain.iloc[:, -1].min())
+        yield at_least(0.0, what, gain.iloc[:, -1].min())
         signs = np.sign(gain).where(relative.abs() > clear).ffill(axis=1)
         crossings = (signs.diff(axis=1).fillna(0.0) != 0.0).sum(axis=1)
-        yield Finding(f"most changes of sign on the way, {name}", float(crossings.max()), 1.0)
+        yield Finding(f"most changes of sign on the way, {name}", crossings.max(), 1.0)
         simulated = gains(results[f"example-5/{name}-check"], *pair)
         curves = gains(results[f"example-5/{name}-{part}"], *pair)
         both = simulated.merge(
@@ -52,8 +52,8 @@ def pattern(results: Results, clear: float, settled: float) -> Iterator[Finding]
         what = f"relative height of the peak, lowest over m, {name}"
         yield _peak(what, relative, clear, f"in R from {peak.min():.2g}")
         distance = (gain.idxmax(axis=1) - gain.idxmin(axis=1)).min()
-        yield positive(f"smallest distance from trough to peak, {name}", distance, unit="s")
-        final = float((gain.iloc[:, -1].abs() / peak).max())
+        yield at_least(0.0, f"smallest distance from trough to peak, {name}", distance, unit="s")
+        final = (gain.iloc[:, -1].abs() / peak).max()
         yield Finding(f"largest final difference over its peak, {name}", final, settled)
 
 
@@ -69,26 +69,22 @@ def visible(results: Results, visible: float) -> Iterator[Finding]:
 
 def _trough(what: str, curves: pd.DataFrame, depth: float, remark: str) -> Finding:
     """Return the shallowest trough of all curves, which has to have a depth."""
-    return Finding(what, float(curves.min(axis=1).max()), -depth, remark=remark)
+    return Finding(what, curves.min(axis=1).max(), -depth, remark=remark)
 
 
 def _peak(what: str, curves: pd.DataFrame, height: float, remark: str = "") -> Finding:
     """Return the lowest peak of all curves, which has to have a height."""
-    lowest = float(curves.max(axis=1).min())
-    return Finding(what, lowest, height, at_least=True, remark=remark)
+    return at_least(height, what, curves.max(axis=1).min(), remark=remark)
 
 
 def clearance(results: Results, coincide: float) -> Iterator[Finding]:
     """Yield the largest difference of the two curves of C_r, in runs with the same numbers."""
     paired = results["example-5/C_r-paired"]
     worst = paired.loc[paired["difference"].abs().idxmax()]
-    yield Finding(
-        "largest difference of R in paired runs",
-        float(abs(worst["difference"])),
-        coincide,
-        uncertainty=2.0 * float(worst["std_error"]),
-        remark=f"at T = {worst['threshold']:g} s, m = {worst['missions']}",
-    )
+    where = f"at T = {worst['threshold']:g} s, m = {worst['missions']}"
+    size, uncertainty = abs(worst["difference"]), 2.0 * worst["std_error"]
+    what = "largest difference of R in paired runs"
+    yield Finding(what, size, coincide, uncertainty=uncertainty, remark=where)
 
 
 def clearance_at(
@@ -109,11 +105,8 @@ def clearance_at(
     for what, sign, thresholds in (("lag", -1.0, lags), ("lead", 1.0, leads)):
         for row in paired[paired["threshold"].isin(thresholds)].itertuples():
             where = f"m = {row.missions}" if np.isinf(row.tau) else f"tau = {row.tau:g} s"
-            yield positive(
-                f"{what} of the smaller deviation at T = {row.threshold:g} s, {where}",
-                sign * row.difference,
-                uncertainty=2.0 * row.std_error,
-            )
+            text = f"{what} of the smaller deviation at T = {row.threshold:g} s, {where}"
+            yield at_least(0.0, text, sign * row.difference, uncertainty=2.0 * row.std_error)
 
 
 def _curves(results: Results, name: str, part: str) -> tuple[pd.DataFrame, pd.DataFrame]:

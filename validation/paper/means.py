@@ -12,9 +12,9 @@ from validation.paper.results import (
     ROUNDING,
     Results,
     at_largest_threshold,
+    at_least,
     contradictions,
     gains,
-    positive,
     wide,
 )
 
@@ -53,7 +53,8 @@ def on_the_plateau(results: Results) -> Iterator[Finding]:
     for name in ("V_q", "k_d"):
         last = at_largest_threshold(_gains(results, name, "sync"))
         T = last["threshold"].max()
-        yield positive(f"smallest gain of R over tau at T = {T:g} s, {name}", last["gain"].min())
+        what = f"smallest gain of R over tau at T = {T:g} s, {name}"
+        yield at_least(0.0, what, last["gain"].min())
         simulated = at_largest_threshold(_simulated(results, name, synchronized=True))
         yield _against(f"largest simulated T, {name}", simulated)
 
@@ -62,17 +63,11 @@ def delta_on_the_plateau(results: Results) -> Iterator[Finding]:
     """Yield gains of the smaller mean of delta at the largest T."""
     larger, smaller = BETTER["delta"]
     last = at_largest_threshold(gains(results["example-4/delta-sync"], smaller, larger))
-    yield positive(
-        f"smallest gain of R over tau at T = {last['threshold'].max():g} s",
-        last["gain"].min(),
-        remark=f"largest {last['gain'].max():.2g}",
-    )
+    T = last["threshold"].max()
+    yield _smallest_gain(f"smallest gain of R over tau at T = {T:g} s", last, 0.0)
     for row in gains(results["example-4/delta-plateau"], smaller, larger).itertuples():
-        yield positive(
-            f"simulated gain of R at T = {row.threshold:g} s, tau = {row.tau:g} s",
-            row.gain,
-            uncertainty=2.0 * row.error,
-        )
+        what = f"simulated gain of R at T = {row.threshold:g} s, tau = {row.tau:g} s"
+        yield at_least(0.0, what, row.gain, uncertainty=2.0 * row.error)
 
 
 def clearance_on_the_plateau(results: Results) -> Iterator[Finding]:
@@ -86,12 +81,9 @@ def clearance_on_the_plateau(results: Results) -> Iterator[Finding]:
     noise = np.hypot(one, other).groupby(["threshold", "tau"]).max().rename("noise")
     last = at_largest_threshold(_gains(results, "C_r", "sync"))
     for row in last.merge(noise, on=["threshold", "tau"]).itertuples():
-        yield positive(
-            f"gain of R at T = {row.threshold:g} s, tau = {row.tau:g} s",
-            row.gain,
-            uncertainty=2.0 * row.noise,
-            remark=f"scatter of the model {row.noise:.1g} (one standard deviation)",
-        )
+        what = f"gain of R at T = {row.threshold:g} s, tau = {row.tau:g} s"
+        remark = f"scatter of the model {row.noise:.1g} (one standard deviation)"
+        yield at_least(0.0, what, row.gain, uncertainty=2.0 * row.noise, remark=remark)
 
 
 def _gains(results: Results, name: str, part: str) -> pd.DataFrame:
@@ -105,9 +97,9 @@ def _simulated(results: Results, name: str, *, synchronized: bool) -> pd.DataFra
     return gain[(random == synchronized) & (np.isfinite(gain["tau"]) == synchronized)]
 
 
-def _smallest_gain(what: str, found: pd.DataFrame) -> Finding:
-    largest = f"largest {found['gain'].max():.2g}"
-    return Finding(what, float(found["gain"].min()), -ROUNDING, at_least=True, remark=largest)
+def _smallest_gain(what: str, found: pd.DataFrame, limit: float = -ROUNDING) -> Finding:
+    gain = found["gain"]
+    return at_least(limit, what, gain.min(), remark=f"largest {gain.max():.2g}")
 
 
 def _against(what: str, found: pd.DataFrame) -> Finding:

@@ -17,6 +17,7 @@ from validation.paper.results import (
     SYNC,
     Results,
     at_largest_threshold,
+    at_least,
     fixed_missions,
     identity,
     spread,
@@ -41,12 +42,9 @@ def missions(results: Results) -> Iterator[Finding]:
         fall = steps(known, "missions", "reference_pf")
         error = wide(known, "missions", "reference_std_error").to_numpy()
         joint = np.hypot(error[:, :-1], error[:, 1:])
-        yield Finding(
-            f"references against it, {name}",
-            float((fall < -STANDARD_ERRORS * joint - ROUNDING).sum()),
-            0.0,
-            remark=f"{IDENTITY}; {int(np.isfinite(fall).sum())} steps",
-        )
+        against = (fall < -STANDARD_ERRORS * joint - ROUNDING).sum()
+        remark = f"{IDENTITY}; {np.isfinite(fall).sum()} steps"
+        yield Finding(f"references against it, {name}", against, 0.0, remark=remark)
 
 
 def random_missions(results: Results) -> Iterator[Finding]:
@@ -71,13 +69,10 @@ def larger_tau(results: Results, late: float) -> Iterator[Finding]:
         yield identity(f"largest fall of R as tau grows, {name}", fall)
         T = rows["threshold"]
         last_tenth = rows[T.max() - 0.1 * (T.max() - T.min()) <= T]
-        yield Finding(
-            f"largest change of R over the last tenth of T, {name}",
-            float(spread(last_tenth, "threshold", "tau").max()),
-            late,
-        )
-        plateau = float(at_largest_threshold(rows)["pf"].min())
-        yield Finding(f"smallest pf on the plateau, {name}", plateau, 1e-6, at_least=True)
+        change = spread(last_tenth, "threshold", "tau").max()
+        yield Finding(f"largest change of R over the last tenth of T, {name}", change, late)
+        plateau = at_largest_threshold(rows)["pf"].min()
+        yield at_least(1e-6, f"smallest pf on the plateau, {name}", plateau)
 
 
 def gain_of_tau(results: Results) -> Iterator[Finding]:
@@ -107,17 +102,10 @@ def which_governs(results: Results, low: float, high: float) -> Iterator[Finding
 
     early, late = rows[rows["threshold"] <= low], rows[rows["threshold"] >= high]
     what = "range of R over tau by range over T"
-    yield Finding(
-        f"{what}, up to T = {low:g} s, largest over m",
-        float(ratios(early, early["threshold"].max()).max()),
-        1.0,
-    )
-    yield Finding(
-        f"{what}, from T = {high:g} s, smallest over m",
-        float(ratios(late, late["threshold"].min()).min()),
-        1.0,
-        at_least=True,
-    )
+    largest = ratios(early, early["threshold"].max()).max()
+    yield Finding(f"{what}, up to T = {low:g} s, largest over m", largest, 1.0)
+    smallest = ratios(late, late["threshold"].min()).min()
+    yield at_least(1.0, f"{what}, from T = {high:g} s, smallest over m", smallest)
     yield widening("the spread over m at the largest T", rows)
 
 
@@ -131,35 +119,22 @@ def independence(results: Results, upper: float) -> Iterator[Finding]:
     """Yield the sign of the gap, and how it changes with T and n."""
     for study in ("example-3", "example-6"):
         gap = _over_units(results, study, "difference")
-        yield Finding(
-            f"smallest R less R of independent wings, {study}",
-            float(gap.to_numpy().min()),
-            -ROUNDING,
-            at_least=True,
-            remark=IDENTITY,
-        )
+        what = f"smallest R less R of independent wings, {study}"
+        yield at_least(-ROUNDING, what, gap.min(axis=None), remark=IDENTITY)
         largest_system = _over_units(results, study, "pf").iloc[:, -1]
         reliable = gap[1.0 - largest_system >= upper]
         peaks = gap.idxmax()
-        yield Finding(
-            f"largest growth of the gap from one T to the next where R >= {upper:g}, {study}",
-            float(reliable.diff().max(axis=None)),
-            ROUNDING,
-            remark=f"the limit on R is ours: below it the gap grows with T, up to T = "
-            f"{peaks.min():g} to {peaks.max():g} s",
-        )
-        yield Finding(
-            f"the same over all T, {study}",
-            float(gap.diff().max(axis=None)),
-            remark="what the text says, read by the letter: not so",
-        )
+        what = f"largest growth of the gap from one T to the next where R >= {upper:g}, {study}"
+        ours = "the limit on R is ours: below it the gap grows with T, up to T = "
+        ours += f"{peaks.min():g} to {peaks.max():g} s"
+        yield Finding(what, reliable.diff().max(axis=None), ROUNDING, remark=ours)
+        by_letter = "what the text says, read by the letter: not so"
+        growth = gap.diff().max(axis=None)
+        yield Finding(f"the same over all T, {study}", growth, remark=by_letter)
         maxima = ", ".join(f"{round(value, 4):g} (n = {n})" for n, value in gap.max().items())
-        yield Finding(
-            f"largest shrinking of the gap from one n to the next, same range, {study}",
-            float(-reliable.diff(axis=1).min(axis=None)),
-            ROUNDING,
-            remark=f"largest gap {maxima}",
-        )
+        what = f"largest shrinking of the gap from one n to the next, same range, {study}"
+        shrinking = -reliable.diff(axis=1).min(axis=None)
+        yield Finding(what, shrinking, ROUNDING, remark=f"largest gap {maxima}")
 
 
 def dispersion(results: Results) -> Iterator[Finding]:
@@ -169,7 +144,7 @@ def dispersion(results: Results) -> Iterator[Finding]:
     )
     for n, ratio in (large / small).dropna().items():
         what = f"largest gap of Example 6 over that of Example 3, n = {n}"
-        yield Finding(what, float(ratio), 1.0, at_least=True)
+        yield at_least(1.0, what, ratio)
 
 
 def _over_units(results: Results, study: str, values: str) -> pd.DataFrame:
@@ -188,13 +163,9 @@ def stable_beyond(results: Results, mark: float, stable: float) -> Iterator[Find
 def onset(results: Results, mark: float, stable: float, close: float) -> Iterator[Finding]:
     """Yield where the curves become stable, and what was tried to mend it."""
     found = _stable_from(results, stable)
-    yield Finding(
-        f"distance from T = {mark:g} s of the T at which the curves become stable",
-        abs(found - mark),
-        close,
-        "s",
-        remark=f"here they are stable from T = {found:g} s",
-    )
+    what = f"distance from T = {mark:g} s of the T at which the curves become stable"
+    here = f"here they are stable from T = {found:g} s"
+    yield Finding(what, abs(found - mark), close, "s", remark=here)
     times = results["example-6/lock-scan"].pivot(
         index=["theta_1_initial", "x_lock"], columns="problem", values="time"
     )
@@ -202,7 +173,7 @@ def onset(results: Results, mark: float, stable: float, close: float) -> Iterato
     ratios = finite["wing"] / finite["example-3"]
     yield Finding(
         "largest ratio of the deployment times at the means of Tables 10 and 6",
-        float(ratios.max()),
+        ratios.max(),
         remark=f"over {len(ratios)} initial poses and lock positions, which the text leaves "
         f"open; smallest {ratios.min():.3g}; the text's marks, {mark:g} s against "
         f"{EXAMPLE_3:g} s in Example 3, have the ratio {mark / EXAMPLE_3:.2g}",
@@ -210,7 +181,7 @@ def onset(results: Results, mark: float, stable: float, close: float) -> Iterato
 
 
 def _stable_from(results: Results, stable: float) -> float:
-    """Return the T from which on R stays near its plateau, inf if it never does."""
+    """Return the T from which on R stays near its plateau."""
     curves = wide(fixed_missions(results["example-6/sync"]), "threshold")
     away = curves.sub(curves.iloc[:, -1], axis=0).abs().max() > stable
     later = away.index[away.index > away.index[away].max()]

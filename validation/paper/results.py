@@ -83,22 +83,11 @@ def spread(rows: pd.DataFrame, column: str, by: str) -> pd.Series[float]:
 
 
 def widening(what: str, rows: pd.DataFrame) -> Finding:
-    """Return how the spread over the missions at the largest T grows with tau: never, it is said.
-
-    Parameters
-    ----------
-    what
-        Name of the spread.
-    rows
-        Columns as those of a study's table.
-    """
+    """Return how the spread over missions at the largest T grows with tau: never, it is said."""
     gaps = spread(at_largest_threshold(rows), "missions", "tau")
-    return Finding(
-        f"largest widening of {what} as tau grows",
-        float(gaps.diff().max()),
-        0.0,
-        remark=", ".join(f"{gap:.3g} at tau = {tau:g} s" for tau, gap in gaps.items()),
-    )
+    every = ", ".join(f"{gap:.3g} at tau = {tau:g} s" for tau, gap in gaps.items())
+    what = f"largest widening of {what} as tau grows"
+    return Finding(what, gaps.diff().max(), 0.0, remark=every)
 
 
 def gains(rows: pd.DataFrame, better: str, worse: str) -> pd.DataFrame:
@@ -135,19 +124,15 @@ def contradictions(what: str, gain: pd.Series[float], error: pd.Series[float]) -
     """Count simulated gains that are negative by more than `STANDARD_ERRORS` of their errors."""
     scores = (gain / error)[error > 0.0]
     clear = f"{(scores > STANDARD_ERRORS).sum()} of {len(scores)} clearly for it"
-    return Finding(
-        what,
-        float((scores < -STANDARD_ERRORS).sum()),
-        0.0,
-        remark=f"{clear} (over {STANDARD_ERRORS:g} standard errors)",
-    )
+    remark = f"{clear} (over {STANDARD_ERRORS:g} standard errors)"
+    return Finding(what, (scores < -STANDARD_ERRORS).sum(), 0.0, remark=remark)
 
 
-def identity(what: str, value: float) -> Finding:
+def identity(what: str, value: Any) -> Finding:
     """Return a number that no model can let exceed 0."""
-    return Finding(what, float(value), ROUNDING, remark=IDENTITY)
+    return Finding(what, value, ROUNDING, remark=IDENTITY)
 
 
-def positive(what: str, value: Any, **more: Any) -> Finding:
-    """Return a number that has to be positive."""
-    return Finding(what, float(value), 0.0, at_least=True, **more)
+def at_least(limit: float, what: str, value: Any, **more: Any) -> Finding:
+    """Return a number with a lower limit."""
+    return Finding(what, value, limit, at_least=True, **more)
