@@ -31,28 +31,25 @@ from uqfold.problems.reference import Reference
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.validation import Finding, Measurement, Points, Table, Work
 
-EXAMPLES: dict[str, Callable[[], Problem]] = {
-    "series": series,
-    "four_bar": four_bar,
-    "four_bar_crossed": partial(four_bar, branch="crossed"),
-    "folding_wing": folding_wing,
-}
-"""The paper's examples that have references of their own."""
-LINEAR = {
+SYSTEMS = {
     "one unit": LinearNormalSystem(units=1),
     "three units": LinearNormalSystem(units=3, shared_std=0.3),
     "four units, common causes": LinearNormalSystem(units=4, shared_std=0.8),
 }
+"""Linear systems, whose answers are exact."""
+PROBLEMS: dict[str, Callable[[], Problem]] = {
+    "series": series,
+    "four_bar": four_bar,
+    "four_bar_crossed": partial(four_bar, branch="crossed"),
+    "folding_wing": folding_wing,
+    **{name: system.problem for name, system in SYSTEMS.items()},
+}
+"""Name -> what builds the problem: the paper's examples, with references, and the systems."""
 CERTAIN = 0.025
 """A reference judges if its standard error is at most this share of pf, and a quarter of an error
 that a band allows."""
 FEW_RUNS = 20
 MOST_POINTS = 150
-
-
-def problem_of(name: str) -> Problem:
-    """Build a problem by its name here."""
-    return EXAMPLES[name]() if name in EXAMPLES else LINEAR[name].problem()
 
 
 @cache
@@ -62,11 +59,9 @@ def references(name: str) -> list[Reference]:
     Those of a linear system reach from the body far into the tail, with and without tau, with
     three mission profiles.
     """
-    if name in EXAMPLES:
-        table = EXAMPLES[name]().references
-        assert table is not None
-        return list(table)
-    system = LINEAR[name]
+    if name not in SYSTEMS:
+        return list(PROBLEMS[name]().references or ())
+    system = SYSTEMS[name]
     spread = math.hypot(system.shared_std, system.individual_std)
     thresholds = [10.0 + k * spread for k in (0.5, 1.5, 2.5, 3.5)]
     asked = criteria(threshold=thresholds, tau=[None, 3.5], missions=[1, 5, Binomial(4, 0.7)])
@@ -98,7 +93,7 @@ def method_of(name: str, work: Work) -> ReliabilityMethod:
 
 def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
     """Ask a method about a problem; return one row for each criterion that it supports."""
-    settings, problem = work.settings, problem_of(problem_name)
+    settings = work.settings
     low, high = settings["pf"]
     known = [
         one
@@ -110,14 +105,11 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
     known = known[:: max(1, len(known) // settings.get("criteria", len(known)))]
     if work.fault == "stale reference":
         known = [replace(one, pf=min(1.2 * one.pf, 1.0)) for one in known]
-    problem = with_fault(problem, work.fault)
     runs = work.pick(*settings["runs"]) if "runs" in settings else None
-    result = method_of(name, work).estimate(
-        problem,
-        [one.criterion for one in known],
-        max_evals=FEW_RUNS if work.fault == "few runs" else runs,
-        rng=seed,
-    )
+    runs = FEW_RUNS if work.fault == "few runs" else runs
+    problem = with_fault(PROBLEMS[problem_name](), work.fault)
+    asked = [one.criterion for one in known]
+    result = method_of(name, work).estimate(problem, asked, max_evals=runs, rng=seed)
     rows = against(result.to_frame(), known)
     supported = rows[rows["status"] != "unsupported"]
     # of the method that a remedy takes the place of
@@ -125,21 +117,11 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
 
 
 def against(found: pd.DataFrame, known: Sequence[Reference]) -> pd.DataFrame:
-    """Return answers with the references of their criteria, in the same order.
+    """Return answers (``pf`` and ``std_error``) with the references in the same order.
 
-    Parameters
-    ----------
-    found
-        Columns ``pf`` and ``std_error``, and any others.
-    known
-        The references.
-
-    Returns
-    -------
-    pandas.DataFrame
-        In addition the columns ``criterion`` (in words), ``known``, ``known_error`` (the standard
-        error of the reference), ``error`` (relative, signed), and ``z``: the difference in joint
-        standard errors, NaN where the answer states none.
+    New columns are ``criterion`` (in words), ``known``, ``known_error`` (the standard error of the
+    reference), ``error`` (relative, signed), and ``z``: the difference in joint standard errors,
+    NaN where the answer states none.
     """
     pf, std_error = found["pf"], found["std_error"]
     exact = np.array([one.pf for one in known])
