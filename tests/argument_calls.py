@@ -343,6 +343,20 @@ def calls(folder: Path) -> dict[str, Call]:
         "Problem.from_limit_state": Call(
             uqfold.Problem.from_limit_state, {"g": thing(limit_state), "inputs": thing([normal])}
         ),
+        "Problem.from_openturns": Call(
+            uqfold.Problem.from_openturns,
+            {
+                "event": thing(
+                    ot.ThresholdEvent(
+                        ot.CompositeRandomVector(
+                            ot.SymbolicFunction(["x"], ["x"]), ot.RandomVector(ot.Normal())
+                        ),
+                        ot.Greater(),
+                        1.0,
+                    )
+                )
+            },
+        ),
         "Problem.with_moments": Call(
             problem.with_moments, {"means": moments, "standard_deviations": moments}
         ),

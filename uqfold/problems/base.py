@@ -202,6 +202,42 @@ class Problem:
         model = negated() if callable(negated) else _Negated(g)
         return cls(model, inputs=inputs, units=1, **options)
 
+    @classmethod
+    def from_openturns(cls, event: Any, **options: Any) -> Problem:
+        """Return the one-unit problem of an OpenTURNS event: it fails when the event occurs.
+
+        The response is the event's own output, or minus that where small outputs fail; of a union
+        or an intersection it is the margin of its events, which fails above zero.
+        `default_criteria` holds the threshold.
+
+        Parameters
+        ----------
+        event
+            An ``openturns.ThresholdEvent``, or a ``UnionEvent`` or ``IntersectionEvent`` of such.
+        options
+            Further arguments of `Problem`, for instance ``name``, ``units`` or ``shared``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is an event of another kind.
+
+        Examples
+        --------
+        >>> import openturns as ot
+        >>> x = ot.RandomVector(ot.Normal(2))
+        >>> g = ot.SymbolicFunction(["a", "b"], ["4 - a - b"])
+        >>> event = ot.ThresholdEvent(ot.CompositeRandomVector(g, x), ot.LessOrEqual(), 0.0)
+        >>> print(Problem.from_openturns(event).default_criteria[0])
+        g <= 0, m = 1
+        """
+        from uqfold.inputs.threshold_event import taken_apart
+
+        response, distribution, threshold = taken_apart(event)
+        options.setdefault("name", event.getName() if event.getName() != "Unnamed" else "event")
+        options.setdefault("default_criteria", criteria(threshold))
+        return cls(response, inputs=distribution, **options)
+
     def with_moments(
         self,
         means: Mapping[str, float] | None = None,
