@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import openturns as ot
 import pandas as pd
 
 import uqfold

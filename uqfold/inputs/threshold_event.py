@@ -34,8 +34,7 @@ class Exceedance:
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Response (n,) at x (n, d)."""
-        y: FloatArray = self.sign * np.asarray(self.function(x))[:, 0]
-        return y
+        return self.sign * np.asarray(self.function(x), dtype=np.float64)[:, 0]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,8 @@ class JoinedExceedances:
     def __call__(self, x: FloatArray) -> FloatArray:
         """Margin (n,) at x (n, d)."""
         margins = np.array([part(x) - part.threshold for part in self.parts])
-        return margins.min(axis=0) if self.all_fail else margins.max(axis=0)
+        joined: FloatArray = (np.min if self.all_fail else np.max)(margins, axis=0)
+        return joined
 
 
 def taken_apart(event: Any) -> tuple[Exceedance | JoinedExceedances, Any, float]:
