@@ -36,7 +36,6 @@ from uqfold.problems.criterion import Binomial, criteria
 from uqfold.provenance import source_digest
 from uqfold.typing import FloatArray
 
-(A_ROW,) = toy_frame(criteria(12.0), {"exact": METHODS["exact"]}).to_dict("records")
 HARD_NUMBERS = {
     "threshold": -5e-324,
     "pf": 0.1 + 0.2,
@@ -49,6 +48,12 @@ HARD_NUMBERS = {
     "seed": 2**127 + 1,
     "message": 'a "quoted", µ\nsecond line',
 }
+
+
+@pytest.fixture(scope="module")
+def a_row() -> dict[str, Any]:
+    (row,) = toy_frame(criteria(12.0), {"exact": METHODS["exact"]}).to_dict("records")
+    return dict(row)
 
 
 @pytest.fixture
@@ -145,8 +150,10 @@ def test_a_header_says_which_source_made_the_rows(tmp_path: Path) -> None:
 
 
 @given(st.floats(), st.integers(-(2**256), 2**256), st.text())
-def test_every_value_survives_strict_json(number: float, whole: int, text: str) -> None:
-    sent = {**A_ROW, "pf": number, "n_evals": whole, "message": text}
+def test_every_value_survives_strict_json(
+    a_row: dict[str, Any], number: float, whole: int, text: str
+) -> None:
+    sent = {**a_row, "pf": number, "n_evals": whole, "message": text}
     received = without_constants(json.dumps(encoded([sent]), allow_nan=False))
     (read,) = ROWS.validate_python(received, strict=True)
     assert repr(read["pf"]) == repr(math.nan if math.isnan(number) else number)

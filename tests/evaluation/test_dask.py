@@ -14,8 +14,6 @@ from tests.evaluation import models
 from uqfold.evaluation import Dask, Evaluator, ExecutorError
 from uqfold.methods import MonteCarlo
 
-distributed = pytest.importorskip("distributed", reason="needs the extra `distributed`")
-
 pytestmark = [
     # of the loops and servers that the cluster leaves behind
     pytest.mark.filterwarnings("default::ResourceWarning", "default::DeprecationWarning"),
@@ -24,7 +22,15 @@ pytestmark = [
 ASKED = uqfold.criteria([1.0, 2.0], missions=[1, 2])
 
 
+@pytest.fixture(scope="module", autouse=True)
+def distributed() -> Any:
+    """The extra; imported by the tests rather than while they are collected: it takes a second."""
+    return pytest.importorskip("distributed", reason="needs the extra `distributed`")
+
+
 def local_cluster(workers: int) -> Any:
+    import distributed
+
     return distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0"
     )
@@ -43,7 +49,7 @@ def numbers(model: Any, systems: int = 2000, **settings: Any) -> list[dict[str, 
     return [{**row, "seconds": 0.0} for row in result.to_records()]
 
 
-def test_the_cluster_gives_the_answer_of_this_process(cluster: Any) -> None:
+def test_the_cluster_gives_the_answer_of_this_process(cluster: Any, distributed: Any) -> None:
     expected = numbers(models.quadratic)
     with Dask(cluster.scheduler_address) as dask:
         assert numbers(models.quadratic, executor=dask) == expected
@@ -64,7 +70,7 @@ def test_the_wing_deploys_on_a_cluster(cluster: Any) -> None:
         np.testing.assert_array_equal(session.evaluate(x), problem.model(x))
 
 
-def test_a_worker_that_is_killed_halfway_changes_nothing(cluster: Any) -> None:
+def test_a_worker_that_is_killed_halfway_changes_nothing(cluster: Any, distributed: Any) -> None:
     expected = numbers(models.quadratic)
     with distributed.Client(cluster) as client:
         victim = min(client.run(os.getpid).values())

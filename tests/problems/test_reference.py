@@ -2,6 +2,8 @@
 
 import copy
 import math
+from collections.abc import Callable
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -126,11 +128,11 @@ def test_two_answers_to_one_criterion_are_refused() -> None:
         parse_references(document)
 
 
-SHIPPED: dict[str, Problem] = {
-    "series": series(),
-    "four_bar": four_bar(),
-    "four_bar_crossed": four_bar("crossed"),
-    "folding_wing": folding_wing(),
+SHIPPED: dict[str, Callable[[], Problem]] = {
+    "series": series,
+    "four_bar": four_bar,
+    "four_bar_crossed": partial(four_bar, "crossed"),
+    "folding_wing": folding_wing,
 }
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -153,14 +155,14 @@ def test_shipped_file_states_where_it_comes_from(path: Path) -> None:
 
 @pytest.mark.parametrize("name", list(SHIPPED))
 def test_problem_carries_its_references(name: str) -> None:
-    assert SHIPPED[name].references == load_references(name)
-    assert load_references(name).problem == SHIPPED[name].name
+    assert SHIPPED[name]().references == load_references(name)
+    assert load_references(name).problem == SHIPPED[name]().name
     assert load_references(name).kind == ("simulation" if name == "folding_wing" else "integration")
 
 
 @pytest.mark.parametrize("name", list(SHIPPED))
 def test_default_criteria_have_references(name: str) -> None:
-    default = SHIPPED[name].default_criteria
+    default = SHIPPED[name]().default_criteria
     assert default is not None
     rows = [load_references(name).lookup(criterion) for criterion in default]
     assert None not in rows
