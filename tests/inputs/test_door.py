@@ -276,13 +276,14 @@ def of_density(density: float, *, bounded: bool) -> Any:
     return (Scaled(a=0.0, b=1.0, name="own") if bounded else Scaled(name="own"))()
 
 
-@pytest.mark.parametrize(
-    ("density", "bounded"), [(0.5, True), (0.999, True), (1.001, True), (0.5, False), (2.0, False)]
-)
+@pytest.mark.parametrize(("density", "bounded"), [(0.999, True), (1.001, True), (0.5, False)])
 def test_a_density_that_does_not_integrate_to_one_is_refused(density: float, bounded: bool) -> None:
     """A law whose probabilities pass one, or end below it, draws something else than it says."""
     with pytest.raises(ValueError, match=r"input 'load'.*scipy.stats.own\(\)"):
         product_inputs(None, {"load": of_density(density, bounded=bounded)})
+
+
+def test_a_density_that_integrates_to_one_is_taken() -> None:
     assert product_inputs(None, of_density(1.0, bounded=True)).dimension == 1
 
 

@@ -135,12 +135,8 @@ def test_drawing_from_other_threads() -> None:
     assert len(set(found)) == 1
 
 
-SOLVED = [
-    stats.vonmises(2, 1, 3),
-    stats.genhyperbolic(0.5, 1.5, -0.5),
-    stats.geninvgauss(2.3, 1.5),
-    stats.argus(1.0),
-]
+SOLVED = [stats.genhyperbolic(0.5, 1.5, -0.5), stats.argus(1.0)]
+"""One without bounds, one between two."""
 
 
 @pytest.mark.parametrize("law", SOLVED, ids=lambda law: law.dist.name)

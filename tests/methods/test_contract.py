@@ -11,6 +11,7 @@ from uqfold.methods import (
     available,
 )
 from uqfold.testing import CHECKS, check_method
+from uqfold.testing.conduct import same_in_a_fresh_process
 
 METHODS = available()
 # thirty surfaces each
@@ -34,12 +35,14 @@ BY_DEFAULTS = {
     "stated_errors_are_honest",
 }
 """Checks that the defaults have to keep themselves; others see the same code by fewer fits."""
-BY_CHOICES = {"rows_are_well_formed", "same_answer_in_a_fresh_process"}
+BY_CHOICES = {"rows_are_well_formed"}
 """Checks of how the defaults choose, whatever the runs are."""
+TOGETHER = "same_answer_in_a_fresh_process"
 CASES = [
     pytest.param(name, check, marks=[pytest.mark.slow] if (name, check) in SLOW else [])
     for name in METHODS
     for check in CHECKS
+    if check != TOGETHER
 ]
 
 
@@ -52,6 +55,12 @@ def test_registered_method_keeps_the_contract(name: str, check: str) -> None:
         method = LIGHT.get(name, method)
     assert method.name == name
     assert check_method(method, only=[check]) == [check]
+
+
+def test_registered_methods_give_the_same_answers_in_a_fresh_process() -> None:
+    """One process for all of them."""
+    methods = [FEWER_RUNS.get(name, method()) for name, method in METHODS.items()]
+    same_in_a_fresh_process(methods)
 
 
 def test_unknown_check_is_refused() -> None:

@@ -168,14 +168,16 @@ def check_budget_is_kept(method: ReliabilityMethod, _: Settings) -> None:
 def check_same_seed_same_answer(method: ReliabilityMethod, _: Settings) -> None:
     """The same seed gives the same numbers, also after other problems, and in any order."""
     system, other = LinearNormalSystem(), LinearNormalSystem(units=5, mean=9.0, shared_std=0.8)
-    first = method.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
+    fresh = type(method)(**{f.name: getattr(method, f.name) for f in fields(method)})
+    first = fresh.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
     method.estimate(other.problem(), grid(), max_evals=SMALL_BUDGET, rng=99)
     np.random.default_rng().standard_normal(3)
     again = method.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
-    demand(same_numbers(first, again), f"{method.name} gives another answer with the same seed")
-    fresh = type(method)(**{f.name: getattr(method, f.name) for f in fields(method)})
-    third = fresh.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
-    demand(same_numbers(first, third), f"{method.name} keeps state from one run to the next")
+    demand(
+        same_numbers(first, again),
+        f"{method.name} gives another answer with the same seed, or keeps state from one run to "
+        "the next",
+    )
 
 
 def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> None:
@@ -209,27 +211,33 @@ def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> Non
 
 def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, _: Settings) -> None:
     """A new interpreter on the same processor, with other string hashing, gives the same bits."""
-    settings = pickle.dumps({f.name: getattr(method, f.name) for f in fields(method)})
+    same_in_a_fresh_process([method])
+
+
+def same_in_a_fresh_process(methods: Sequence[ReliabilityMethod]) -> None:
+    """Let several methods answer in one new interpreter: a start takes longer than most answers."""
+    kinds = [(type(one), {f.name: getattr(one, f.name) for f in fields(one)}) for one in methods]
     code = (
         "import pickle\n"
-        f"from {type(method).__module__} import {type(method).__qualname__} as Method\n"
-        "from uqfold.testing.conduct import grid\n"
-        "from uqfold.testing.linear_normal import LinearNormalSystem\n"
-        f"method = Method(**pickle.loads({settings!r}))\n"
-        f"result = method.estimate(LinearNormalSystem().problem(), grid(), "
-        f"max_evals={SMALL_BUDGET}, rng=7)\n"
-        "print([value.hex() for value in result.pf])\n"
+        "from uqfold.testing.conduct import exact_answer\n"
+        f"for kind, settings in pickle.loads({pickle.dumps(kinds)!r}):\n"
+        "    print(exact_answer(kind(**settings)))\n"
     )
     done = subprocess.run(
         [sys.executable, "-R", "-c", code], capture_output=True, text=True, check=False
     )
-    demand(done.returncode == 0, f"{method.name} fails in a fresh process: {done.stderr[-500:]}")
-    here = method.estimate(LinearNormalSystem().problem(), grid(), max_evals=SMALL_BUDGET, rng=7).pf
-    expected = str([float(value).hex() for value in here])
-    demand(
-        done.stdout.strip() == expected,
-        f"{method.name} gives {done.stdout.strip()} in a fresh process, {expected} here",
-    )
+    names = ", ".join(one.name for one in methods)
+    demand(done.returncode == 0, f"{names}: failure in a fresh process: {done.stderr[-500:]}")
+    for one, there in zip(methods, done.stdout.splitlines(), strict=True):
+        here = exact_answer(one)
+        demand(there == here, f"{one.name} gives {there} in a fresh process, {here} here")
+
+
+def exact_answer(method: ReliabilityMethod) -> str:
+    """Return every bit of the failure probabilities with one seed, as text."""
+    problem = LinearNormalSystem().problem()
+    answer = method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=7)
+    return str([float(value).hex() for value in answer.pf])
 
 
 def check_problem_is_left_alone(method: ReliabilityMethod, _: Settings) -> None:
