@@ -7,12 +7,13 @@ import pytest
 from tests.comparison.fakes import toy_frame
 from uqfold.cli import main
 from uqfold.comparison import write_records
+from uqfold.problems.criterion import criteria
 
 
 @pytest.fixture
 def run_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    write_records(toy_frame(), tmp_path / "run")
+    write_records(toy_frame(criteria([11.0, 12.0])), tmp_path / "run")
     return Path("run")
 
 

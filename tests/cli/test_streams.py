@@ -10,6 +10,7 @@ import pytest
 from tests.comparison.fakes import toy_frame
 from uqfold.cli import main
 from uqfold.comparison import write_records
+from uqfold.problems.criterion import criteria
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="/dev/full and shell")
 
@@ -121,7 +122,7 @@ def test_a_disk_that_fills_up_on_the_way_is_told_and_the_table_shown(
 def test_a_report_that_cannot_be_written_is_told(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, out: str, message: str
 ) -> None:
-    write_records(toy_frame(), tmp_path)
+    write_records(toy_frame(criteria(12.0)), tmp_path)
     (tmp_path / "folder.html").mkdir()
     assert message in refused(capsys, f"report {tmp_path} --out {out} --format html")
 
