@@ -753,6 +753,16 @@ def calls(folder: Path) -> dict[str, Call]:
                 "target_cov": optional(number()),
             },
         ),
+        "methods.SubsetSimulation": Call(
+            methods.SubsetSimulation,
+            {
+                "samples": count(100),
+                "repetitions": optional(count(2)),
+                "level_probability": number(0.1),
+                "target_cov": optional(number()),
+                "keep_samples": flag(),
+            },
+        ),
         "methods.Estimate": Call(methods.Estimate, estimate),
         "methods.DimensionReduction": Call(
             methods.DimensionReduction, {"variables": count(2), "nodes": count()}

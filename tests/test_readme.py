@@ -24,6 +24,7 @@ PAGES = [
     "docs/evaluation.md",
     "docs/mechanism.md",
     "docs/multifidelity.md",
+    "docs/rare-events.md",
     "docs/records.md",
     "docs/reports.md",
     "docs/structures.md",

@@ -32,3 +32,4 @@ from uqfold.methods.result import (
     Estimate as Estimate,
     ReliabilityResult as ReliabilityResult,
 )
+from uqfold.methods.subset_simulation import SubsetSimulation as SubsetSimulation

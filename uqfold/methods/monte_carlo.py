@@ -14,6 +14,7 @@ from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.counted import LEVEL, counted
 from uqfold.methods.result import Estimate, Status
 from uqfold.methods.system_sample import (
     RUNS_WITHOUT_A_BUDGET,
@@ -30,9 +31,6 @@ from uqfold.typing import FloatArray, IntArray
 
 WITHOUT_A_BUDGET = 100_000
 """Systems to simulate when neither a number nor a budget is given."""
-FEW = 10
-"""Fewer failures than this (or systems that work) leave pf uncertain by a third or more."""
-LEVEL = 0.95
 
 
 @dataclass(frozen=True)
@@ -160,37 +158,14 @@ class MonteCarlo(ReliabilityMethod):
         return Solution(estimates, counts.details())
 
     def _estimate(self, counts: _Counts, i: int, missing: int, stopped: str) -> Estimate:
-        n, high, low = counts.systems, int(counts.high[i]), int(counts.low[i])
-        pf = high / n
-        ci_low, ci_high = clopper_pearson(low, n, LEVEL)[0], clopper_pearson(high, n, LEVEL)[1]
         status: Status = "converged"
         messages = []
         if missing > 0:
             status = "budget_exhausted"
-            messages.append(f"{n} of {n + missing} systems")
+            messages.append(f"{counts.systems} of {counts.systems + missing} systems")
         if stopped:
             messages.append(stopped)
-        bound = high in (0, n)
-        if bound:
-            status = "doubtful"
-            messages.append(f"{'no' if high == 0 else 'only'} failures among {n} systems")
-        elif min(high, n - high) < FEW:
-            status = "doubtful"
-            messages.append(f"{high} failure{'s' * (high != 1)} among {n} systems")
-        return Estimate(
-            pf=pf,
-            reliability=(n - high) / n,
-            # without both outcomes the sample says nothing about its own spread
-            std_error=math.nan if bound else math.sqrt(pf * (1.0 - pf) / n),
-            ci_low=ci_low,
-            ci_high=ci_high,
-            ci_kind="clopper-pearson 95 %" + (" one-sided" if bound else ""),
-            pf_low=low / n,
-            pf_high=pf,
-            error_kind="sampling",
-            status=status,
-            message="; ".join(messages),
-        )
+        return counted(counts.systems, int(counts.high[i]), int(counts.low[i]), status, messages)
 
 
 @dataclass

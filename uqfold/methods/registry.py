@@ -23,6 +23,7 @@ _BUILT_IN: dict[str, str] = {
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "multifidelity-mc": "uqfold.methods.multifidelity_monte_carlo:MultifidelityMonteCarlo",
+    "subset-simulation": "uqfold.methods.subset_simulation:SubsetSimulation",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
 }

@@ -114,6 +114,45 @@ MULTIFIDELITY = Theory(
     ),
 )
 
+SUBSET_SIMULATION = Theory(
+    summary=(
+        "Subset simulation on the whole system, in standard-normal space. A rare failure is "
+        "reached by levels of the response, a tenth of what exceeds one exceeding the next; "
+        "Markov chains by conditional sampling populate each level. A pilot settles levels and "
+        "steps. The climbs after it are independent of it and of each other, and each is without "
+        "bias, so that their spread is the error of their mean, whatever the chains are correlated "
+        "like; the interval is that of Student's t for the logarithm of the mean."
+    ),
+    equations=(
+        Equation(
+            "Failure lies in the highest of L nested events, and the shares of the samples that "
+            "go from one to the next are multiplied",
+            r"p_f = P(F_1) \prod_{i=1}^{L - 1} P(F_{i+1} \mid F_i) \; P(F \mid F_L)",
+        ),
+        Equation(
+            "A chain above level i proposes, and stays where it is if the proposal is not above it",
+            r"u' = \sqrt{1 - \sigma_i^2}\, u + \sigma_i\, \xi, \qquad \xi \sim N(0, I)",
+        ),
+        Equation(
+            "R climbs give, with the larger one of two relative errors, from the variance of the "
+            "estimates and from that of their logarithms s² under a lognormal law",
+            r"\hat{p}_f = \frac{1}{R} \sum_{r=1}^{R} \hat{p}_r, \qquad "
+            r"\hat{\delta}^2 = \max\left\{ \frac{\operatorname{var} \hat{p}_r}{R\, \hat{p}_f^2}, "
+            r"\; \frac{s^2}{R} + \frac{s^4}{2 (R - 1)} \right\}",
+        ),
+    ),
+    references=(
+        "Au S.-K., Beck J.L. Estimation of small failure probabilities in high dimensions by "
+        "subset simulation. Probabilistic Engineering Mechanics 16 (2001) 263-277.",
+        "Papaioannou I., Betz W., Zwirglmaier K., Straub D. MCMC algorithms for subset simulation. "
+        "Probabilistic Engineering Mechanics 41 (2015) 89-103.",
+        "Del Moral P. Feynman-Kac Formulae: Genealogical and Interacting Particle Systems with "
+        "Applications. Springer, 2004.",
+        "Zhou X.-H., Gao S. Confidence intervals for the log-normal mean. Statistics in Medicine "
+        "16 (1997) 783-790.",
+    ),
+)
+
 OPENTURNS_MONTE_CARLO = Theory(
     summary=(
         "Monte Carlo simulation by OpenTURNS. The whole system is one event in standard-normal "

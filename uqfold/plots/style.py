@@ -38,6 +38,7 @@ _FIXED = {
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "multifidelity-mc": MethodStyle("#117733", "p"),
+    "subset-simulation": MethodStyle("#5D3A9B", ">"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
