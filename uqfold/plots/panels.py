@@ -115,6 +115,7 @@ def draw_rows(axes: Axes, frame: pd.DataFrame, kinds: Sequence[str] = ()) -> lis
         Entries of a legend: the series, and the kinds.
     """
     names, looks = list(frame["row"].unique()), method_styles(frame["series"].unique())
+    axes.set_yscale("linear")  # rows have numbers, whatever was drawn here before
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")

@@ -274,12 +274,12 @@ class Problem:
 
     def _own(self, references: ReferenceTable | None) -> ReferenceTable | None:
         """Return references if they are this problem's, not those of one that it is made from."""
-        from uqfold.problems.reference import ReferenceTable
+        from uqfold.problems.reference import ReferenceTable, answering
 
         or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")
         if references is None:
             return None
-        return references.answering(self.model, self.inputs, self.units, self.structure)
+        return answering(references, self.model, self.inputs, self.units, self.structure)
 
     @property
     def n_units(self) -> int:

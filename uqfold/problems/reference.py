@@ -77,24 +77,28 @@ class ReferenceTable:
         """Return the reference of exactly this criterion, or None; nothing is interpolated."""
         return self.entries.get(instance("criterion", criterion, Criterion, "give a Criterion"))
 
-    def answering(self, *question: Any) -> ReferenceTable | None:
-        """Return the references as those of one question, or None if they answer another.
-
-        Parameters
-        ----------
-        question
-            What pf depends on besides the criterion: model, inputs, units, structure.
-        """
-        if self._answered is None:
-            return replace(self, _answered=question)
-        same = (one is two or one == two for one, two in zip(self._answered, question, strict=True))
-        return self if all(same) else None
-
     def __iter__(self) -> Iterator[Reference]:
         return iter(self.entries.values())
 
     def __len__(self) -> int:
         return len(self.entries)
+
+
+def answering(references: ReferenceTable, *question: Any) -> ReferenceTable | None:
+    """Return references as those of one question, or None if they answer another.
+
+    Parameters
+    ----------
+    references
+        The references.
+    question
+        What pf depends on besides the criterion: model, inputs, units, structure.
+    """
+    known = references._answered
+    if known is None:
+        return replace(references, _answered=question)
+    same = (one is two or one == two for one, two in zip(known, question, strict=True))
+    return references if all(same) else None
 
 
 @cache
