@@ -52,24 +52,16 @@ class Bodies:
         areas = (p.b_1 * p.l_1, p.b_2 * p.l_2, 0.0)
         self.drag = [0.5 * p.rho_a * p.C_0 * area * p.V_q**2 for area in areas]
         self.hysteresis = HYSTERESIS[p.contact_law](p.C_e)
-        B = (p.C_r_B, p.E_b_B, p.nu_b_B, p.E_j_B, p.nu_j_B)
-        C = (p.C_r_C, p.E_b_C, p.nu_b_C, p.E_j_C, p.nu_j_C)
         self.joints = (
-            self._joint(0, p.l_1 / 2, p.l_2 / 2, *B),
-            self._joint(2, 0.0, -p.l_2 / 2, *C),
+            self._joint(0, p.l_1 / 2, p.l_2 / 2, "B"),
+            self._joint(2, 0.0, -p.l_2 / 2, "C"),
         )
 
-    def _joint(
-        self,
-        i: int,
-        s_i: float,
-        s_j: float,
-        C_r: float,
-        E_b: float,
-        nu_b: float,
-        E_j: float,
-        nu_j: float,
-    ) -> Joint:
+    def _joint(self, i: int, s_i: float, s_j: float, letter: str) -> Joint:
+        """Return the joint whose clearance and materials end with a letter, B or C."""
+        C_r, E_b, nu_b, E_j, nu_j = (
+            getattr(self.p, f"{name}_{letter}") for name in ("C_r", "E_b", "nu_b", "E_j", "nu_j")
+        )
         R_b, R_j = self.p.R_b, self.p.R_b - C_r
         softness = (1 - nu_b**2) / E_b + (1 - nu_j**2) / E_j
         return Joint(i, s_i, s_j, C_r, R_j, 4 / (3 * softness) * math.sqrt(R_b * R_j / (R_b + R_j)))

@@ -41,31 +41,21 @@ class ExudynWing:
         p, system = self.p, self.system
         ground = system.AddObject(itemInterface.ObjectGround())
         nodes, bodies = [], []
-        for i, (mass, inertia) in enumerate(
-            zip(self.bodies.mass, self.bodies.inertia, strict=True)
-        ):
-            pose = self.reference[3 * i : 3 * i + 3]
+        for i, mass in enumerate(self.bodies.mass):
+            pose, inertia = self.reference[3 * i : 3 * i + 3], self.bodies.inertia[i]
             nodes.append(system.AddNode(itemInterface.NodeRigidBody2D(referenceCoordinates=pose)))
             body = itemInterface.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
             bodies.append(system.AddObject(body))
-        A = [
-            system.AddMarker(
-                itemInterface.MarkerBodyPosition(bodyNumber=body, localPosition=[x, 0.0, 0.0])
-            )
-            for body, x in ((ground, 0.0), (bodies[0], -0.5 * p.l_1))
-        ]
+
+        def marker(kind: Any, body: Any, x: float, y: float) -> Any:
+            return system.AddMarker(kind(bodyNumber=body, localPosition=[x, y, 0.0]))
+
+        point, frame = itemInterface.MarkerBodyPosition, itemInterface.MarkerBodyRigid
+        A = [marker(point, ground, 0.0, 0.0), marker(point, bodies[0], -0.5 * p.l_1, 0.0)]
         system.AddObject(itemInterface.ObjectJointRevolute2D(markerNumbers=A))
-        guide = [
-            system.AddMarker(
-                itemInterface.MarkerBodyRigid(bodyNumber=body, localPosition=[0.0, y, 0.0])
-            )
-            for body, y in ((ground, -p.c), (bodies[2], 0.0))
-        ]
-        system.AddObject(
-            itemInterface.ObjectJointPrismatic2D(
-                markerNumbers=guide, axisMarker0=[1.0, 0.0, 0.0], normalMarker1=[0.0, 1.0, 0.0]
-            )
-        )
+        guide = [marker(frame, ground, 0.0, -p.c), marker(frame, bodies[2], 0.0, 0.0)]
+        axes = {"axisMarker0": [1.0, 0.0, 0.0], "normalMarker1": [0.0, 1.0, 0.0]}
+        system.AddObject(itemInterface.ObjectJointPrismatic2D(markerNumbers=guide, **axes))
         force = itemInterface.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=self._force)
         system.AddObject(force)
         system.SetPreStepUserFunction(self._before_step)

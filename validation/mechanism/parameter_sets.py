@@ -65,30 +65,21 @@ def corners(
     the signs of the free ones without one of them, and the last variable of all the product of
     all free ones.
     """
-    names = list(table)
     for signs in product((-1, 1), repeat=free):
-        levels = list(signs)
-        for k in range(len(names) - free - 1):
-            levels.append(math.prod(signs[:k] + signs[k + 1 :]))
-        levels.append(math.prod(signs))
-        values = {
-            name: table[name][0] + 3.0 * sign * table[name][1]
-            for name, sign in zip(names, levels, strict=True)
-        }
-        label = "".join("+" if sign > 0 else "-" for sign in levels)
-        yield label, WingParameters(**values)
+        without_one = [math.prod(signs[:k] + signs[k + 1 :]) for k in range(len(table) - free - 1)]
+        levels = dict(zip(table, [*signs, *without_one, math.prod(signs)], strict=True))
+        wing = {name: mean + 3.0 * levels[name] * sigma for name, (mean, sigma) in table.items()}
+        label = "".join("+" if sign > 0 else "-" for sign in levels.values())
+        yield label, WingParameters(**wing)
 
 
 def parameter_sets() -> dict[str, WingParameters]:
     """Return all sets by name."""
-    six, ten = means(TABLE_6), means(TABLE_10)
-    sets = {
-        "table 1": WingParameters(),
-        "table 6": six,
-        "table 10": ten,
-        "table 1, material": WingParameters(tangential_velocity="material"),
-        "table 6, material": six.replace(tangential_velocity="material"),
-        "table 10, material": ten.replace(tangential_velocity="material"),
+    six = means(TABLE_6)
+    sets = {"table 1": WingParameters(), "table 6": six, "table 10": means(TABLE_10)}
+    sets |= {
+        f"{name}, material": wing.replace(tangential_velocity="material")
+        for name, wing in sets.items()
     }
     sets |= {f"table 6 corner {label}": wing for label, wing in corners(TABLE_6, 4)}
     number = count(1)
