@@ -5,12 +5,10 @@ from pathlib import Path
 import pytest
 
 from uqfold.provenance import source_digest
-from uqfold.validation import Work
 from uqfold.validation.case import Case, Fault, find_cases
 from uqfold.validation.kept import changes
-from uqfold.validation.measurement import claim_verdicts
 from uqfold.validation.record import read_case_record
-from uqfold.validation.runner import FRAME, Validation, measuring, sources
+from uqfold.validation.runner import FRAME, Validation, sources, verdict_with
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
@@ -32,11 +30,7 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
     ],
 )
 def test_every_planted_fault_turns_the_verdict(name: str, fault: Fault) -> None:
-    case = CASES[name]
-    work = Work("quick", fault.name, case.declared.seeds, case.settings)
-    found = measuring(case)(work)
-    given = fault.given(found.verdict, claim_verdicts(found.claims, found.findings))
-    assert given == fault.turns_to, [one.words for one in found.findings]
+    assert verdict_with(fault, CASES[name]) == fault.turns_to
 
 
 @pytest.mark.parametrize("name", CASES)

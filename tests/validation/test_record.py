@@ -44,13 +44,6 @@ def test_faults_that_went_unnoticed() -> None:
     )
 
 
-def test_each_claim_of_a_fault_has_to_turn() -> None:
-    fault = Fault("upside down", "R for pf", claims=("first", "second"))
-    both = {"first": "does not hold", "second": "does not hold"}
-    assert fault.given("does not hold", both) == "does not hold"  # type: ignore[arg-type]
-    assert fault.given("does not hold", {**both, "second": "holds"}) == "holds"  # type: ignore[dict-item]
-
-
 @pytest.mark.parametrize("record", [full_record(), claims_record()])
 def test_a_record_comes_back_as_written(record: Any, tmp_path: Path) -> None:
     path = write_case_record(record, tmp_path / "a.json")

@@ -3,10 +3,10 @@ from pathlib import Path
 import pytest
 
 from tests.validation.case_folder import DECLARED, MEASURE, make_case
-from uqfold.validation.case import Case, load_cases
+from uqfold.validation.case import Case, Fault, load_cases
 from uqfold.validation.findings import Finding
 from uqfold.validation.record import read_case_record
-from uqfold.validation.runner import Validation
+from uqfold.validation.runner import Validation, verdict_with
 
 COUNTED = """import pathlib
 COUNT = pathlib.Path(__file__).with_name("count.txt")
@@ -59,6 +59,22 @@ def test_a_fault_that_goes_unnoticed_is_recorded(cases: Path, tmp_path: Path, sp
     )
     assert record.broken == ("the planted fault 'too large' went unnoticed",)
     assert record.error == ""
+
+
+def test_each_claim_of_a_fault_has_to_turn(cases: Path) -> None:
+    measure = """from uqfold.validation import Claim, Finding, Measurement
+
+
+def measure(work):
+    claims = [Claim(key, "It is so.", "Section 1", "always") for key in ("first", "second")]
+    rise = 3.0 if work.fault else 1.0
+    findings = [Finding("rise", rise, 2.0, claim="first"), Finding("end", 1.0, 2.0, claim="second")]
+    return Measurement(findings, claims=claims)
+"""
+    case = load_case(make_case(cases, measure=measure))
+    for claims, verdict in (((), "does not hold"), (("first",), "does not hold"),
+                            (("first", "second"), "holds")):  # fmt: skip
+        assert verdict_with(Fault("risen", "a rise of 3", claims=claims), case) == verdict
 
 
 def test_an_error_is_part_of_the_record(cases: Path, tmp_path: Path) -> None:

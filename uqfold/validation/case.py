@@ -18,7 +18,6 @@ from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
 from uqfold.documents import said
 from uqfold.methods.seeding import LARGEST_SEED
-from uqfold.validation.findings import Verdict
 
 SCHEMA = "uqfold-case/1"
 DECLARATION, MEASURE = "case.toml", "measure.py"
@@ -54,11 +53,6 @@ class Fault:
     what: Text
     turns_to: Literal["does not hold", "holds"] = "does not hold"
     claims: tuple[str, ...] = ()
-
-    def given(self, verdict: Verdict, of_claims: Mapping[str, Verdict]) -> Verdict:
-        """Return the verdict to judge it by: `turns_to`, or one that has not turned."""
-        found = [of_claims[key] for key in self.claims] or [verdict]
-        return next((one for one in found if one != self.turns_to), self.turns_to)
 
 
 @dataclass(frozen=True)

@@ -179,13 +179,11 @@ class Measurement:
         """The verdict that the findings give."""
         return verdict_of(self.findings)
 
-
-def claim_verdicts(claims: Iterable[Claim], findings: Iterable[Finding]) -> dict[str, Verdict]:
-    """Return key -> verdict of every claim, by the findings that carry its key."""
-    listed = list(findings)
-    return {
-        claim.key: verdict_of([one for one in listed if one.claim == claim.key]) for claim in claims
-    }
+    @property
+    def claim_verdicts(self) -> dict[str, Verdict]:
+        """Key -> verdict of every claim, by the findings that carry its key."""
+        keys = [claim.key for claim in self.claims]
+        return {key: verdict_of(one for one in self.findings if one.claim == key) for key in keys}
 
 
 def _cell(name: str, value: Any) -> CellValue:

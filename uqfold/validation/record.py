@@ -21,7 +21,7 @@ from uqfold.checks import path as checked_path
 from uqfold.documents import parsed_json
 from uqfold.validation.case import STRICT, Declaration, Fault, Tier, refusal
 from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict
-from uqfold.validation.measurement import Measurement, claim_verdicts
+from uqfold.validation.measurement import Measurement
 from uqfold.writing import write_text
 
 SCHEMA: Literal["uqfold-validation/2"] = "uqfold-validation/2"
@@ -104,7 +104,7 @@ class CaseRecord:
     @property
     def claims(self) -> dict[str, Verdict]:
         """Key -> verdict of its claims, if it judges several."""
-        return claim_verdicts(self.measurement.claims, self.findings)
+        return self.measurement.claim_verdicts
 
     @property
     def broken(self) -> tuple[str, ...]:

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import cast
 
 from uqfold.provenance import changed_parts, made_by, source_digest
-from uqfold.validation.case import DECLARATION, MEASURE, Case, CaseError, Tier
-from uqfold.validation.measurement import Measurement, claim_verdicts
+from uqfold.validation.case import DECLARATION, MEASURE, Case, CaseError, Fault, Tier
+from uqfold.validation.findings import Verdict
+from uqfold.validation.measurement import Measurement
 from uqfold.validation.record import CaseRecord, PlantedFault, existing_record, write_case_record
 from uqfold.validation.work import Work
 
@@ -88,15 +89,21 @@ class Validation:
 
     def _planted(self, case: Case) -> Iterator[PlantedFault]:
         for fault in case.faults:
-            verdict = None
+            yield PlantedFault(fault, verdict_with(fault, case) if self.faults else None)
             if self.faults:
-                work = Work("quick", fault.name, case.declared.seeds, case.settings)
-                found, error = _attempt(case, work)
-                verdict = found.verdict
-                if not error:
-                    verdict = fault.given(verdict, claim_verdicts(found.claims, found.findings))
                 self.progress(case.name, 0, None)
-            yield PlantedFault(fault, verdict)
+
+
+def verdict_with(fault: Fault, case: Case) -> Verdict:
+    """Plant a fault, in the size of the quick tier; return the verdict to judge it by.
+
+    Where it is aimed at several claims this is the first one that has not turned.
+    """
+    found, error = _attempt(case, Work("quick", fault.name, case.declared.seeds, case.settings))
+    if error or not fault.claims:
+        return found.verdict
+    verdicts = [found.claim_verdicts[key] for key in fault.claims]
+    return next((one for one in verdicts if one != fault.turns_to), fault.turns_to)
 
 
 def measuring(case: Case) -> Callable[[Work], Measurement]:
