@@ -619,4 +619,4 @@ def test_the_plane_is_looked_at_where_units_in_parallel_fail_together(
         assert row.pf == pytest.approx(exact_pf, rel=1e-6)
     else:
         assert row.status == "doubtful"
-        assert "where the system fails" in row.message
+        assert "the system fails" in row.message

@@ -48,6 +48,7 @@ from uqfold.methods import (
 from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.kriging import KrigingDetails
 from uqfold.problems.structure import SystemStructure
+from uqfold.system.structure import SystemUnits
 from uqfold.testing.linear_normal import works_as
 from uqfold.typing import FloatArray
 
@@ -383,6 +384,32 @@ def test_planes_are_looked_at_where_units_that_differ_fail_together(
     else:
         assert abs(row.pf / truth - 1.0) > 0.05
         assert row.status == "doubtful"
+
+
+@pytest.mark.parametrize("structure", [Parallel(), KOutOfN(2)])
+def test_a_little_curvature_where_units_fail_together_is_the_stated_error(
+    structure: SystemStructure,
+) -> None:
+    """What is seen at one unit's point was taken for a cause in common, and every such row doubted.
+
+    Curved by what is shared and, as a product, by what is a unit's own; against a sum over V.
+    """
+    offsets = np.array([0.0, -0.3, 0.2])
+    problem = Problem(
+        lambda x: 0.6 * x[:, 0] + 0.006 * x[:, 0] ** 2 + (0.8 + 0.01 * x[:, 0]) * x[:, 1],
+        **INPUTS,
+        units=[Unit(offset=offset) for offset in offsets],
+        structure=structure,
+    )
+    z = np.linspace(-9.0, 9.0, 361)
+    index = (2.2 - offsets[:, None] - 0.6 * z - 0.006 * z**2) / (0.8 + 0.01 * z)
+    failure, _ = SystemUnits.of(problem).diagram.probabilities(ndtr(-index), ndtr(index))
+    density = np.exp(-0.5 * z**2)
+    truth = failure @ density / density.sum()
+    row = OpenTURNSFORM().estimate(problem, Criterion(2.2))[0]
+    assert row.status == "converged"
+    assert 0.003 < abs(row.pf / truth - 1.0) < 0.1
+    assert abs(row.pf - truth) < 2.0 * row.std_error
 
 
 def test_a_curved_limit_state_of_one_sort_is_doubted() -> None:

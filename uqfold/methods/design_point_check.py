@@ -284,13 +284,12 @@ def with_error(
     problem: Problem,
     missions: Missions,
     target: float,
-    departure: float = 0.0,
 ) -> Estimate:
     """Add to FORM's answer the error that the second look shows, and the verdict by it.
 
     In one unit curvatures of opposite signs cancel; in a system, where shared and individual inputs
     do different things, each counts. How units go together is also taken from where the search
-    started, and the difference counts, as does the `departure` where the system fails. What is
+    started, and the difference counts. What is
     wrong about one unit may be a cause that all of them have in common: in no structure is what is
     seen to be wrong smaller than it would be in series. FORM is believed up to the `target`, an
     error relative to the smaller probability.
@@ -332,8 +331,6 @@ def with_error(
         for change, system in ((total, units), (total - LEAST, SystemUnits(units.count)))
     )
     error += distance(beta, shared_at_start, units)
-    apart = departure * min(own)
-    error += apart
     if error <= target * min(own) and estimate.status == "unchecked":
         half = NORMAL_95 * error
         return replace(
@@ -361,8 +358,6 @@ def with_error(
     reason = max(reasons, key=lambda name: reasons[name])
     if total < 0.5 * target:
         reason = "the correlation of units is not the same everywhere"
-    if apart > 0.5 * target * min(own):
-        reason = "the response is not that of the plane where the system fails"
     where = "; ".join(
         f"u = {shown(one.u)}, beta = {one.beta(search.threshold):.4g}"
         for one in (best, *(other for other, _ in search.others))

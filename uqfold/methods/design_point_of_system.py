@@ -25,6 +25,9 @@ from uqfold.typing import FloatArray
 
 NOTICED = 0.1
 """Share of the system's probability from which a common cause of its own is looked for."""
+BEYOND, OTHER_RAYS = 0.5, 8
+"""So much further out (in standard deviations), since the cause need not lie along an axis; and
+rays that are drawn beside the axes, for each shared input but the first."""
 PLACES = 32
 """Places of the shared inputs that are looked at."""
 BESIDE = 3
@@ -49,9 +52,10 @@ def departure_of_system(
 ) -> float:
     """Return what the planes miss where the system fails, relative to the smaller probability.
 
-    Before, the axes of shared inputs are looked at as far out as a cause of failure may begin that
-    all units have in common; where one does, the answer is infinite. Nothing is asked of units in
-    series, which fail near the design points of one.
+    It is their mean distance from what is seen, and two standard errors of it.
+    Before, the axes of shared inputs and other rays are looked at as far out as a cause of failure
+    may begin that units have in common; where one does, the answer is infinite. Nothing is asked of
+    units in series, which fail near the design points of one.
 
     Parameters
     ----------
@@ -67,7 +71,7 @@ def departure_of_system(
     BudgetExceededError
         If the runs do not fit.
     """
-    if units.diagram is None or units.count == 1:
+    if units.diagram is None:
         return 0.0
     betas = np.array([one.best.beta(one.threshold) for one in searches])
     shared = np.array([one.best.alpha[:n_shared] for one in searches])
@@ -80,7 +84,7 @@ def departure_of_system(
     side = 1.0 - 2.0 * rarer
     if small == 0.0:
         return math.inf
-    if _common_cause(responses, searches, n_shared, NOTICED * small, side):
+    if _common_cause(responses, searches, n_shared, units, NOTICED * small, rarer):
         return math.inf
     nearer = planes.with_betas(planes.betas - side * NEARLY)
     more = failure_of_planes(nearer, units, missions)
@@ -96,31 +100,41 @@ def departure_of_system(
     ]
     seen = given[0].of_indices(indices)[rarer]
     changes = (seen - by_planes[0]) / density / small
-    return float(abs(changes.mean()) + changes.std(ddof=1) / math.sqrt(PLACES))
+    return float(abs(changes.mean()) + 2.0 * changes.std(ddof=1) / math.sqrt(PLACES))
 
 
 def _common_cause(
     responses: Sequence[StandardSpaceResponse],
     searches: Sequence[Search],
     n_shared: int,
+    units: SystemUnits,
     noticed: float,
-    side: float,
+    rarer: int,
 ) -> bool:
-    """Whether units fail far out on an axis of shared inputs where their planes let them work."""
+    """Whether the system fails far out for what units share, where the planes let it work.
+
+    The other way round if it is rarer (1) that it works. Units have nothing of their own there.
+    """
     from scipy.special import ndtri
 
     if n_shared == 0:
         return False
-    reach = min(SEARCH_RADIUS, -float(ndtri(noticed / (2 * n_shared))))
+    drawn = np.random.default_rng(0).standard_normal((OTHER_RAYS * (n_shared - 1), n_shared))
+    drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
+    rays = np.vstack([np.eye(n_shared), -np.eye(n_shared), drawn])
+    reach = min(SEARCH_RADIUS, BEYOND - float(ndtri(noticed / (2 * n_shared))))
+    by_planes, seen = [], []
     for response, search in zip(responses, searches, strict=True):
         best = search.best
-        axes = reach * np.eye(n_shared, best.alpha.size)
-        axes = np.vstack([axes, -axes])
-        by_plane = side * (axes @ best.alpha - best.beta(search.threshold))
-        seen = side * (response.values(axes) - search.threshold)
-        if ((seen > 0.0) & (by_plane < 0.0)).any():
-            return True
-    return False
+        points = np.zeros((len(rays), best.alpha.size))
+        points[:, :n_shared] = reach * rays
+        by_planes.append(points @ best.alpha > best.beta(search.threshold))
+        seen.append(response.values(points) > search.threshold)
+    of_planes, of_system = (
+        units.mission(np.array(fails, float), 1.0 - np.array(fails, float))[rarer]
+        for fails in (by_planes, seen)
+    )
+    return bool((of_system > of_planes).any())
 
 
 def _indices(

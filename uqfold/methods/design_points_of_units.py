@@ -23,6 +23,8 @@ from uqfold.system.linearised_units import Planes, failure_of_planes
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
+MOST_BENT = 0.3
+"""Change of a unit's probability, as a logarithm, from which its plane is not believed anywhere."""
 _WORSE: tuple[Status, ...] = ("unchecked", "budget_exhausted", "doubtful", "failed")
 """Statuses of searches, the worse ones last."""
 
@@ -75,21 +77,29 @@ def estimate_of_units(
         name = "pf" if pair[0].pf <= pair[0].reliability else "reliability"
         return float(abs(getattr(pair[1], name) - getattr(pair[0], name))) + pair[1].error
 
-    changes = np.array([_change(one) for one in searches])
+    bent = np.array([_bent(one) for one in searches])
+    changes = LEAST + np.array([_elsewhere(one) for one in searches])
+    # where the system fails the planes are looked at themselves, but for other domains of failure
+    seen_there = units.diagram is not None and bent.max() < MOST_BENT
+    if not seen_there:
+        changes += bent
     in_series = replace(units, diagram=None)
-    error = found.error + max(
+    error = departed * small + found.error
+    error += max(
         distance(planes.with_betas(_moved(betas, sign * change)), system)
         for sign in (1.0, -1.0)
         for change, system in ((changes, units), (changes - LEAST, in_series))
     )
-    at_start = np.array([one.start.alpha[:n_shared] for one in searches])
-    error += distance(replace(planes, shared=at_start), units) + departed * small
+    if not seen_there:
+        at_start = np.array([one.start.alpha[:n_shared] for one in searches])
+        error += distance(replace(planes, shared=at_start), units)
     if error > target * small:
-        worst = betas[int(changes.argmax())]
-        reason = (
-            f"a limit state is not its plane, most at beta = {worst:.4g}: pf = {found.pf:.3g} may "
-            f"be {error:.2g} off"
-        )
+        reason = f"a limit state is not its plane, most at beta = {betas[bent.argmax()]:.4g}"
+        if departed * small > 0.5 * error:
+            reason = "the response is not that of the planes where the system fails"
+        if math.isinf(departed):
+            reason = "far out for shared inputs the system fails where by the planes it works"
+        reason = f"{reason}: pf = {found.pf:.3g} may be {min(1.0, error):.2g} off"
         return replace(estimate, status="doubtful", message=reason)
     return replace(
         estimate,
@@ -102,13 +112,15 @@ def estimate_of_units(
     )
 
 
-def _change(search: Search) -> float:
-    """By how much the smaller probability of a unit may be another one, as a logarithm."""
+def _bent(search: Search) -> float:
+    """By how much a unit's limit state changes its smaller probability, as a logarithm."""
     look = search.look
-    if look is None:
-        return math.inf
-    others = max(found_elsewhere(search), look.elsewhere)
-    return LEAST + max(look.curvature, look.sampled) + look.place + others
+    return math.inf if look is None else max(look.curvature, look.sampled) + look.place
+
+
+def _elsewhere(search: Search) -> float:
+    """By how much other domains of failure may change it."""
+    return 0.0 if search.look is None else max(found_elsewhere(search), search.look.elsewhere)
 
 
 def _moved(betas: FloatArray, changes: FloatArray) -> FloatArray:

@@ -224,7 +224,7 @@ class OpenTURNSFORM(ReliabilityMethod):
                     criterion.threshold, 0.0, alike, criterion.missions
                 )
                 return Estimate(pf, reliability, status="doubtful", message=message)
-            if units.of_sorts is not None:
+            if units.of_sorts is not None or units.diagram is not None:
                 return of_units(criterion)
             search = searches[0, criterion.threshold]
             point = points[0, criterion.threshold]
@@ -243,14 +243,6 @@ class OpenTURNSFORM(ReliabilityMethod):
             )
             if search.look is None or search.cut:
                 return estimate
-            before = session.n_evals
-            try:
-                departed = departure([search], criterion.missions)
-            except BudgetExceededError as error:
-                message = f"not looked at where the system fails: {error}"
-                return replace(estimate, status="budget_exhausted", message=message)
-            spent = n_start + point.n_evals + session.n_evals - before
-            estimate = replace(estimate, n_evals_row=spent)
             return with_error(
                 estimate,
                 search,
@@ -258,7 +250,6 @@ class OpenTURNSFORM(ReliabilityMethod):
                 problem,
                 criterion.missions,
                 self.target_cov,
-                departed,
             )
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
