@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import openturns as ot
 import pytest
 from scipy import stats
 
@@ -157,12 +158,44 @@ def test_synchronization_needs_a_density() -> None:
     assert found.pf == pytest.approx(known(series(), asked[0]), rel=0.01)
 
 
-def test_most_outer_nodes_are_doubted_for_want_of_more() -> None:
-    """It said "n = 66: give a whole number"."""
+@pytest.mark.parametrize(
+    "shared",
+    [ot.LogNormal(0.0, 0.5), ot.LogNormal(0.0, 1.0), ot.Gumbel(0.5, 0.0), ot.Exponential(1.0)],
+    ids=lambda one: f"{one.getName()}-{one.getParameter()[1]:g}",
+)
+def test_heavy_tails_of_shared_inputs_are_resolved(shared: Any) -> None:
+    """Gauss rules of such inputs are missing or never get there: rows were failed or doubtful."""
+    problem = Problem(
+        lambda x: x[:, 0] * (1.0 + 0.2 * x[:, 1]),
+        shared={"V": shared}, individual={"U": normal(0.0, 1.0)}, units=5,
+    )  # fmt: skip
+    threshold = float(shared.computeQuantile(0.98)[0])
+    row = FFNI(FullFactorial(3)).estimate(problem, criteria(threshold), max_evals=200)[0]
+    u = np.linspace(-9.0, 9.0, 4001)
+    v = np.array([shared.computeQuantile(p)[0] for p in stats.norm.cdf(u)])
+    z = (threshold / v - 1.0) / 0.2
+    works = 5.0 * np.where(v < 0.0, stats.norm.logsf(z), stats.norm.logcdf(z))
+    exact = float(np.sum(-np.expm1(works) * stats.norm.pdf(u)) * (u[1] - u[0]))
+    assert row.status == "converged"
+    assert abs(row.pf - exact) < max(row.std_error, 0.005 * exact)
+
+
+def test_a_far_threshold_leaves_the_rows_beside_it_alone() -> None:
+    """No rule settles that of 30: it made the other doubtful."""
+    problem = LinearNormalSystem(units=20, mean=0.0, shared_std=0.6, individual_std=0.8).problem()
+    method = FFNI(FullFactorial(3))
+    alone = method.estimate(problem, criteria(2.5))[0]
+    beside = method.estimate(problem, criteria([2.5, 30.0]))[0]
+    assert (alone.status, beside.status) == ("converged", "converged")
+    assert abs(beside.pf - alone.pf) < alone.std_error
+
+
+def test_most_outer_nodes_are_compared_with_more() -> None:
+    """Beyond the finest Gauss rule there are equal steps: it said "n = 66", then that it doubts."""
     problem = Problem(lambda x: x[:, 0] + x[:, 1], shared=normal(0, 1), individual=normal(0, 1))
     row = FFNI(FullFactorial(3), outer=GaussOuter(60)).estimate(problem, criteria(2.0))[0]
-    assert row.status == "doubtful"
-    assert "no finer rule over the shared inputs to compare with" in row.message
+    assert row.status == "converged"
+    assert row.pf == pytest.approx(0.5 * math.erfc(1.0), rel=1e-3)
 
 
 def test_settings_name_what_they_take() -> None:

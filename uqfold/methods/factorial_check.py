@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
-from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import fallbacks_that_matter
 from uqfold.methods.factorial_rules import OuterRule, SurfaceMoments
@@ -38,7 +37,6 @@ from uqfold.typing import BoolArray, FloatArray
 
 OTHERS = ("saddlepoint", "pearson", "cubic-normal")
 """Families that are compared with one another unless others are named."""
-_BESIDE = "the design without two nodes more along each shared input"
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
 
@@ -170,7 +168,7 @@ def with_verdicts(
     estimates: Sequence[Estimate],
     target: float,
     others: Sequence[str] = OTHERS,
-    change: FloatArray | None = None,
+    changes: Sequence[tuple[str, FloatArray]] = (),
 ) -> list[Estimate]:
     """Check answers: each becomes ``converged`` or ``doubtful``.
 
@@ -191,16 +189,16 @@ def with_verdicts(
         that is converged.
     others
         Names of families to compare with.
-    change
-        What runs beside the design have changed pf, or the reliability, by already (C,).
+    changes
+        What else pf, or the reliability, has been changed by already (C,), with the cause of each.
     """
     try:
         check = _check(task, runs, own, [FAMILIES[name] for name in others])
         rows = [row for row, one in enumerate(estimates) if one.status not in NO_ANSWER]
         asked = [task.criteria[row] for row in rows]
         differences = check.differences(asked, [estimates[row] for row in rows])
-        if change is not None:
-            differences = differences.joined_by(_BESIDE, change[rows])
+        for cause, amounts in changes:
+            differences = differences.joined_by(cause, amounts[rows])
     except (BudgetExceededError, TimeLimitError) as error:
         return _noted(estimates, f"not checked: {error}")
     except ValueError as error:
@@ -244,11 +242,6 @@ def _check(
         outer = [[n + more for n in one.outer] for more in (0, MORE, _FINER)]
         while math.prod(outer[2]) > max(_MOST_OUTER, math.prod(outer[1])):
             outer[2] = [n - 1 for n in outer[2]]
-        if max(outer[2], default=0) > MAX_GAUSS_NODES:
-            raise ValueError(
-                f"no finer rule over the shared inputs to compare with: {MAX_GAUSS_NODES} nodes "
-                "are the most"
-            )
         surface = SurfaceMoments(
             one.known.inputs, tested.surface, one.least, one.additive, quadratic
         )

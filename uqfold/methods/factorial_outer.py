@@ -25,6 +25,8 @@ from uqfold.typing import FloatArray
 Answer: TypeAlias = Callable[[Sequence[FactorialRuns]], FloatArray]
 """Smaller ones of pf and reliability (C,) from runs of each kind, by the nodes `outer` of these."""
 
+_BESIDE = "the design without two nodes more along each shared input"
+_FEWER = "a third fewer nodes over the shared inputs"
 _SETTLED = 0.3
 """Share of the tolerance that two rules over the polynomial may differ by."""
 MOST_NODES = 400
@@ -93,12 +95,13 @@ class Refined:
     ----------
     runs
         The last design with its lines, and the nodes of the last rule, of each kind of units.
-    change
-        What the lines changed the smaller one of pf and reliability by (C,).
+    changes
+        What the smaller one of pf and reliability was changed by (C,): by the lines, and where the
+        last rule has not settled by the one before; each with its cause.
     """
 
     runs: list[FactorialRuns]
-    change: FloatArray
+    changes: list[tuple[str, FloatArray]]
 
 
 def refined(
@@ -134,15 +137,16 @@ def refined(
     while True:
         plain = runs_of_kinds(known, counts, grids)
         corrected = [_with_shared_lines(one) for one in plain]
-        runs, with_lines = _settled(corrected, outer.tolerance, answer)
+        runs, with_lines, unsettled = _settled(corrected, outer.tolerance, answer)
         change = np.abs(answer(_by_rule(plain, runs[0].outer)) - with_lines)
         enough = (change <= outer.tolerance * with_lines).all()
+        found = Refined(runs, [(_BESIDE, change), (_FEWER, unsettled)])
         counts = [n + MORE for n in counts]
         if enough or max(counts) > outer.most:
-            return Refined(runs, change)
+            return found
         size = math.prod(counts) * sum(math.prod(some) for own in grids for _, some in own)
         if size + MORE * len(counts) * len(known) > session.remaining:
-            return Refined(runs, change)
+            return found
 
 
 def _with_shared_lines(runs: FactorialRuns) -> FactorialRuns:
@@ -157,16 +161,22 @@ def _by_rule(runs: Sequence[FactorialRuns], counts: tuple[int, ...]) -> list[Fac
 
 def _settled(
     runs: list[FactorialRuns], tolerance: float, answer: Answer
-) -> tuple[list[FactorialRuns], FloatArray]:
-    """Refine the rule over the polynomials, by half as many nodes each time, and answer by it."""
+) -> tuple[list[FactorialRuns], FloatArray, FloatArray]:
+    """Refine the rule over the polynomials, by half as many nodes each time, and answer by it.
+
+    The last numbers (C,) tell what the last step changed answers by that have not settled.
+    """
     counts = runs[0].outer
     found = answer(runs)
+    unsettled = np.zeros_like(found)
     while counts:
-        finer = tuple(min(n + max(MORE, n // 2), MAX_GAUSS_NODES) for n in counts)
-        if finer == counts or math.prod(finer) > MOST_NODES:
+        finer = tuple(n + max(MORE, n // 2) for n in counts)
+        if math.prod(finer) > MOST_NODES:
             break
         counts, before = finer, found
         found = answer(_by_rule(runs, counts))
-        if (np.abs(found - before) <= _SETTLED * tolerance * found).all():
+        apart = np.abs(found - before)
+        unsettled = np.where(apart <= _SETTLED * tolerance * found, 0.0, apart)
+        if not unsettled.any():
             break
-    return _by_rule(runs, counts), found
+    return _by_rule(runs, counts), found, unsettled

@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from uqfold.inputs import JointInputs, normal
-from uqfold.inputs.gauss import gauss_rule
+from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
 from uqfold.methods.factorial_design import MAX_NUMBERS
 from uqfold.methods.factorial_surface import FactorialSurface
 from uqfold.moments.conditional import ConditionalDistribution
@@ -31,6 +31,10 @@ MOST_POINTS = 2_000_000
 """Values of the polynomial held at once."""
 _FINE = 13
 """Nodes over an individual input that integrate fourth powers of polynomials of degree 6."""
+_REACH, _FURTHER = 9.0, 0.01
+"""How far equal steps go, in standard deviations, and how much further by each node more."""
+_FEW_CARRY = 1.7
+"""Largest weight of a rule, over that of a normal variable, from which few nodes carry it."""
 _HERMITE = 7
 """Nodes over an individual input for the part of degree two."""
 
@@ -94,55 +98,52 @@ class SurfaceMoments:
         Parameters
         ----------
         outer
-            Nodes of each shared input.
+            Nodes of each shared input; see `fine_rule`.
         nodes
             Size of the product for which memory is to be kept; None: that of `outer`.
 
         Raises
         ------
         ValueError
-            If a marginal has no such rule, or there are too many individual inputs for a product
-            of rules.
+            If an individual input has no such rule, or there are too many of them for a product.
         """
-        rules = rules_of(self.inputs, [*outer, *(1 for _ in self.least)])[: len(outer)]
+        rules = [fine_rule(self.inputs, i, n) for i, n in enumerate(outer)]
         places, weights = tensor_grid(rules)
         shared = [nodes for nodes, _ in rules]
         size = weights.size if nodes is None else nodes
-        moments = (
-            self._sums(shared, weights.size)
-            if self.additive
-            else self._product(shared, outer, size)
-        )
+        moments = self._sums(shared, weights.size) if self.additive else self._product(shared, size)
         if self.quadratic and self.least:
             moments = self._with_quadratic(moments, shared)
         return OuterRule(places, weights, tuple(moments))
 
-    def _product(
-        self, shared: list[FloatArray], outer: Sequence[int], size: int
-    ) -> list[ResponseMoments]:
+    def _product(self, shared: list[FloatArray], size: int) -> list[ResponseMoments]:
         """Moments by a product of rules over the individual inputs."""
-        counts = self._counts(outer, size)
-        rules = rules_of(self.inputs, [*outer, *counts])[len(outer) :]
+        rules = self._individual(size)
         values = self.surface.on_grid([*shared, *(places for places, _ in rules)])
-        found = moments_from_rule(values.reshape(math.prod(outer), -1), product_of_weights(rules))
+        rows = values.reshape(math.prod(places.size for places in shared), -1)
+        found = moments_from_rule(rows, product_of_weights(rules))
         return [found.of(k) for k in range(len(found))]
 
-    def _counts(self, outer: Sequence[int], size: int) -> list[int]:
-        """Return nodes over the individual inputs: as many as memory and marginals allow."""
+    def _individual(self, size: int) -> list[GaussRule]:
+        """Return rules over the individual inputs, as fine as memory and marginals allow."""
+
+        def rules(counts: Sequence[int]) -> list[GaussRule]:
+            first = self.inputs.n_shared
+            return [rule_of(self.inputs, first + i, n) for i, n in enumerate(counts)]
+
         for n in range(_FINE, min(self.least, default=_FINE), -1):
             wanted = [max(n, count) for count in self.least]
             if size * math.prod(wanted) <= MOST_POINTS:
                 try:
-                    rules_of(self.inputs, [*outer, *wanted])
+                    return rules(wanted)
                 except ValueError:
                     continue
-                return wanted
         if size * math.prod(self.least) > MAX_NUMBERS:
             raise ValueError(
                 f"{len(self.least)} individual inputs are too many for a product of rules: give "
                 "inner = DimensionReduction(variables=1)"
             )
-        return list(self.least)
+        return rules(self.least)
 
     def _sums(self, shared: list[FloatArray], size: int) -> list[ResponseMoments]:
         """Moments from cumulants, which add up over independent parts."""
@@ -234,6 +235,31 @@ def rules_of(inputs: JointInputs, counts: Sequence[int]) -> list[GaussRule]:
 def rule_of(inputs: JointInputs, i: int, n: int) -> GaussRule:
     """Return the rule of one input; see `rules_of`."""
     return inputs.gauss_rule(i, n) if inputs.independent else gauss_rule(normal(0.0, 1.0), n)
+
+
+def fine_rule(inputs: JointInputs, i: int, n: int) -> GaussRule:
+    """Return a rule of a shared input for a polynomial, which may be evaluated anywhere.
+
+    It is the Gauss rule of the input, if there is one of so many nodes and the body of the input
+    has its share of them. Moments of a lognormal input do not determine its distribution: its Gauss
+    rules, as far as there are any, leave nearly all to a few nodes, however many there are. Then it
+    is the rule of a standard normal variable, mapped to the input. Beyond `MAX_GAUSS_NODES` it is
+    one of equal steps of that variable, which reaches the further the more nodes it has.
+    """
+    if n > MAX_GAUSS_NODES:
+        reach = _REACH + _FURTHER * (n - MAX_GAUSS_NODES)
+        u = np.linspace(-reach, reach, n)
+        weights = np.exp(-0.5 * u**2)
+        weights /= weights.sum()
+    else:
+        u, weights = gauss_rule(normal(0.0, 1.0), n)
+        try:
+            own = rule_of(inputs, i, n)
+        except ValueError:
+            own = None
+        if own is not None and own[1].max() <= _FEW_CARRY * weights.max():
+            return own
+    return inputs.columns[i].from_normal(u) if inputs.independent else u, weights
 
 
 def product_of_weights(rules: Sequence[GaussRule]) -> FloatArray:

@@ -184,7 +184,8 @@ class FFNI(ReliabilityMethod):
         self, task: Task, known: Sequence[KnownRuns], outer: Sequence[int], grids: Sequence[Grids]
     ) -> Solution:
         """Answer with the moments of the polynomials through the runs."""
-        family, units, change = self._family, SystemUnits.of(task.problem), None
+        family, units = self._family, SystemUnits.of(task.problem)
+        changes: list[tuple[str, FloatArray]] = []
 
         def smaller(runs: Sequence[FactorialRuns]) -> FloatArray:
             details = [_details(one, family) for one in runs]
@@ -195,14 +196,14 @@ class FFNI(ReliabilityMethod):
 
         if isinstance(self.outer, RefinedOuter):
             found = refined(self.outer, outer, known, grids, smaller)
-            runs, change = found.runs, found.change
+            runs, changes = found.runs, found.changes
         else:
             runs = runs_of_kinds(known, outer, grids)
         details = task.summed_up(lambda _: [_details(one, family) for one in runs])
         estimates = _answers(task, family, details, [])
         if self.check:
             estimates = with_verdicts(
-                task, runs, family, estimates, self.target_cov, self._peers, change
+                task, runs, family, estimates, self.target_cov, self._peers, changes
             )
         return Solution(estimates, joined_details(details))
 

@@ -71,6 +71,8 @@ def _rule() -> tuple[FloatArray, FloatArray, FloatArray]:
     return z, np.tile(half * weights, _PANELS), hermite
 
 
+# a step that is much too long leads to no number, and is halved
+@np.errstate(over="ignore", invalid="ignore")
 def _log_density(raw: tuple[float, ...]) -> FloatArray | None:
     """Return the logarithm of the density at the points, or None where there is none that falls."""
     z, weights, hermite = _rule()
