@@ -29,7 +29,7 @@ def frame() -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def small(frame: pd.DataFrame) -> pd.DataFrame:
-    return frame[frame["tau"].isna() & (frame["missions"] == "1") & (frame["threshold"] > 11.0)]
+    return frame[frame["tau"].isna() & (frame["missions"] == "1") & (frame["threshold"] == 12.0)]
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,8 @@ def test_the_methods_section_says_what_was_run(root: Element) -> None:
 
 
 def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
-    frame = uqfold.compare(uqfold.problems.series(), ["ffni-spa", "ffni-pearson"])
+    methods, one = ["ffni-spa", "ffni-pearson"], uqfold.criteria(4.0)
+    frame = uqfold.compare(uqfold.problems.series(), methods, one)
     (path,) = uqfold.report.write_report(frame, tmp_path / "deep" / "report.html")
     root = read(path.read_text(encoding="utf-8"))
     assert "nodes_individual" in section(root, "methods").text
@@ -109,7 +110,10 @@ def test_two_lines_of_python_make_a_report(tmp_path: Path) -> None:
 
 def test_folder_and_frame_give_one_report(small: pd.DataFrame, tmp_path: Path) -> None:
     write_records(small, tmp_path)
-    assert html_of(tmp_path) == html_of(tmp_path / "comparison.json") == html_of(small)
+    pages = [report_page(one) for one in (tmp_path, tmp_path / "comparison.json", small)]
+    first, *others = [page.markdown() for page in pages]
+    assert others == [first, first]
+    assert pages[0].html() == pages[2].html()
 
 
 def test_a_frame_without_its_header_still_gives_a_report(small: pd.DataFrame) -> None:
@@ -180,8 +184,7 @@ def test_nothing_that_records_name_is_imported(small: pd.DataFrame, tmp_path: Pa
         (criteria(12.0, missions=[1, Binomial(3, 0.7)]), {"sampled": METHODS["sampled"]}),
         (criteria([11.0, 12.0]), {"broken": METHODS["broken"]}),
         (criteria([-math.inf, 12.0, math.inf], tau=[None, 0.0]), {"broken": METHODS["broken"]}),
-        (criteria([12.0, 13.0, 14.0, 15.0, 16.0]), {f"told-{i}": Told(bias=0.1 * i)
-                                                    for i in range(8)}),
+        (criteria([12.0, 13.0]), {f"told-{i}": Told(bias=0.1 * i) for i in range(8)}),
     ],
     ids=["one threshold", "one method", "no answer", "infinite thresholds", "eight methods"],
 )  # fmt: skip
@@ -199,7 +202,7 @@ def test_an_interrupted_comparison_says_what_is_missing(small: pd.DataFrame) -> 
     part.attrs["uqfold-comparison"] = {
         **small.attrs["uqfold-comparison"], "finished": ["exact", "biased"]
     }  # fmt: skip
-    assert "Interrupted: no rows of sampled, broken." in html_of(part)
+    assert "Interrupted: no rows of sampled, broken." in report_page(part).markdown()
 
 
 def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
@@ -213,7 +216,7 @@ def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
 def test_more_rows_than_a_page_can_show_are_refused(frame: pd.DataFrame) -> None:
     """A frame of 1e5 rows took minutes, and made a page of 180 MB."""
     with pytest.raises(ValueError, match=r"has 20,000 rows, a report shows 10,000 at most: select"):
-        report_page(pd.concat([frame[:1]] * 20_000))
+        report_page(frame.iloc[[0] * 20_000])
 
 
 def test_one_answer_is_and_several_are(small: pd.DataFrame) -> None:
@@ -222,5 +225,5 @@ def test_one_answer_is_and_several_are(small: pd.DataFrame) -> None:
     one["status"] = two["status"] = "converged"
     one.iloc[0, one.columns.get_loc("status")] = "doubtful"
     two.iloc[:2, two.columns.get_loc("status")] = "doubtful"
-    assert f"1 of {len(small)} is doubtful" in html_of(one)
-    assert f"2 of {len(small)} are doubtful" in html_of(two)
+    assert f"1 of {len(small)} is doubtful" in report_page(one).markdown()
+    assert f"2 of {len(small)} are doubtful" in report_page(two).markdown()
