@@ -114,7 +114,7 @@ def record(values, share):
 
 
 FREELY = settings(
-    max_examples=200,
+    max_examples=80,
     deadline=timedelta(seconds=60),
     derandomize=True,
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],

@@ -3,13 +3,16 @@
 import os
 import subprocess
 import sys
+import warnings
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 from unittest.mock import patch
 
 import pytest
 
+from uqfold.cli import main
 from uqfold.methods import ReliabilityMethod, Solution, Task, registry
 
 MODULE = """
@@ -44,6 +47,30 @@ def install(folder: Path, name: str, value: str) -> dict[str, str]:
     (info / "entry_points.txt").write_text(f"[uqfold.methods]\n{name} = {value}\n")
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
     return {**os.environ, "PYTHONPATH": path}
+
+
+@pytest.fixture
+def run_here(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Iterator[Callable[..., "subprocess.CompletedProcess[str]"]]:
+    """Run the program in this process, with the packages that are laid out in the folder."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def program(*words: str) -> "subprocess.CompletedProcess[str]":
+        registry._found.cache_clear()
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            with pytest.raises(SystemExit) as ended:
+                main(words)
+        out, err = capsys.readouterr()
+        said = "".join(f"{one.message}\n" for one in warned)
+        return subprocess.CompletedProcess(words, int(ended.value.code or 0), out, said + err)
+
+    yield program
+    for name, module in list(sys.modules.items()):
+        if str(getattr(module, "__file__", None)).startswith(str(tmp_path)):
+            del sys.modules[name]
+    registry._found.cache_clear()
 
 
 def run(environment: dict[str, str], *words: str) -> "subprocess.CompletedProcess[str]":
@@ -85,13 +112,15 @@ BROKEN = {
 """Name of a method and of its module -> source, and what is said about it."""
 
 
-def test_broken_plug_ins_are_named_and_the_other_methods_go_on(tmp_path: Path) -> None:
+def test_broken_plug_ins_are_named_and_the_other_methods_go_on(
+    tmp_path: Path, run_here: Any
+) -> None:
     """A plug-in with a broken import takes no method down."""
     entries = [f"{name} = {name}:Half" for name in BROKEN]
-    environment = install(tmp_path, "nowhere", "\n".join(["nowhere:Half", *entries, GOOD]))
+    install(tmp_path, "nowhere", "\n".join(["nowhere:Half", *entries, GOOD]))
     for name, (code, _) in BROKEN.items():
         (tmp_path / f"{name}.py").write_text(code)
-    listed = run(environment, "-m", "uqfold", "methods")
+    listed = run_here("methods")
     assert listed.returncode == 0
     names = {line.split()[0] for line in listed.stdout.splitlines()}
     assert {"half", "ffni-spa", "openturns-mc"} <= names
@@ -102,36 +131,38 @@ def test_broken_plug_ins_are_named_and_the_other_methods_go_on(tmp_path: Path) -
         assert message in said[name]
         assert said[name].endswith(". Update or remove the package plugin-half")
     assert "ModuleNotFoundError" in said["nowhere"]
-    asked = run(environment, "-m", "uqfold", "compare", "series", "--method", "exiting")
+    asked = run_here("compare", "series", "--method", "exiting")
     assert asked.returncode == 2
     message = "the method 'exiting' is not available: exiting:Half raised SystemExit: 3"
     assert message in " ".join(asked.stderr.split())
     assert "Traceback" not in asked.stderr
 
 
-def test_a_built_in_method_keeps_its_name(tmp_path: Path) -> None:
-    environment = install(tmp_path, "mc", "plugin_half:Half")
-    listed = run(environment, "-m", "uqfold", "methods")
+def test_a_built_in_method_keeps_its_name(tmp_path: Path, run_here: Any) -> None:
+    install(tmp_path, "mc", "plugin_half:Half")
+    listed = run_here("methods")
     assert (listed.returncode, "always one half" in listed.stdout) == (0, False)
     assert "the method 'mc' is left out: plugin_half:Half has the name of another" in listed.stderr
 
 
-def test_of_two_plug_ins_with_one_name_one_is_left_out(tmp_path: Path) -> None:
-    environment = install(tmp_path, "half", "plugin_half:Half")
+def test_of_two_plug_ins_with_one_name_one_is_left_out(tmp_path: Path, run_here: Any) -> None:
+    install(tmp_path, "half", "plugin_half:Half")
     other = tmp_path / "other-1.0.dist-info"
     other.mkdir()
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
     (other / "entry_points.txt").write_text("[uqfold.methods]\nhalf = plugin_half:Half\n")
-    listed = run(environment, "-m", "uqfold", "methods")
+    listed = run_here("methods")
     assert listed.returncode == 0
     assert listed.stdout.count("always one half") == 1
     assert "the method 'half' is left out" in listed.stderr
 
 
-def test_an_entry_that_nobody_can_read_is_named_with_its_package(tmp_path: Path) -> None:
+def test_an_entry_that_nobody_can_read_is_named_with_its_package(
+    tmp_path: Path, run_here: Any
+) -> None:
     """An entry called "=x" has no name of its own."""
-    environment = install(tmp_path, "=x", "plugin_half:Half")
-    listed = run(environment, "-m", "uqfold", "methods")
+    install(tmp_path, "=x", "plugin_half:Half")
+    listed = run_here("methods")
     assert (listed.returncode, "Traceback" in listed.stderr) == (0, False)
     told = "is left out: x = plugin_half:Half is not module:class. Update or remove the package "
     assert f"{told}plugin-half" in listed.stderr

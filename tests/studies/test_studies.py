@@ -39,7 +39,10 @@ def loaded(folder: Path) -> ModuleType:
     return module
 
 
-LONG = ("design-to-target", "what-matters", "which-method")
+LONG = (
+    *("example-4", "example-5", "example-6", "redundancy"),
+    *("design-to-target", "what-matters", "which-method"),
+)
 """Studies whose reduced form takes long: `.ci/run` asks them beside the default tests."""
 
 
