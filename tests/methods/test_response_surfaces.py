@@ -33,7 +33,7 @@ def errors(method: ReliabilityMethod, problem: Problem, seeds: range) -> FloatAr
 @pytest.mark.parametrize("method", SURFACES, ids=ids)
 @pytest.mark.parametrize("build", [series, four_bar])
 def test_a_hundred_runs_answer_the_examples(method: ReliabilityMethod, build) -> None:
-    found = np.sqrt(np.mean(errors(method, build(), range(2)) ** 2, axis=0))
+    found = np.sqrt(np.mean(errors(method, build(), range(1)) ** 2, axis=0))
     # rows reach from 0.5 to 3e-7, with and without tau
     assert found.max() < 0.02
 
