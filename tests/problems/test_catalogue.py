@@ -1,6 +1,7 @@
 """The catalogue: every limit state has a source, a reference that is found again, and a kind."""
 
 import re
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -10,7 +11,10 @@ from uqfold.problems.catalogue import limit_states
 from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criterion
 
 NAMES = list(catalogue.titles())
-CHEAP = [name for name in NAMES if not catalogue.entry(name).dear]
+AGAIN = [
+    pytest.param(name, marks=pytest.mark.slow) if catalogue.entry(name).dear else name
+    for name in NAMES
+]
 PROBLEMS: dict[str, Problem] = {}
 
 
@@ -20,7 +24,12 @@ def problem(name: str) -> Problem:
     return PROBLEMS[name]
 
 
-@pytest.mark.parametrize("name", CHEAP)
+THIN = {"genz-corner", "paraboloid-shell", "resonance", "rosenbrock-valley"}
+"""Their domains of failure are too thin to be met by draws from a wider space."""
+SIMULATED = [name for name in NAMES if name not in THIN and problem(name).inputs.dimension <= 6]
+
+
+@pytest.mark.parametrize("name", AGAIN)
 def test_the_reference_is_found_again(name: str) -> None:
     one = catalogue.entry(name)
     pf, error = one.reference()
@@ -28,7 +37,7 @@ def test_the_reference_is_found_again(name: str) -> None:
     assert pf == pytest.approx(one.pf, rel=1e-10, abs=error + one.error)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if problem(name).inputs.dimension <= 6])
+@pytest.mark.parametrize("name", SIMULATED)
 def test_simulation_agrees_with_the_reference(name: str) -> None:
     """Draws spread over a wider normal space, weighted; nothing of the derivation takes part."""
     one, inputs = catalogue.entry(name), problem(name).inputs
@@ -68,7 +77,7 @@ def test_what_an_entry_says_fits_together(name: str) -> None:
     assert ("rare" in one.kinds) == (one.pf < 2e-6)
     assert ("frequent" in one.kinds) == (one.pf > 0.05)
     assert one.units.keys() <= set(built.inputs.names)
-    assert re.search(r"\((19|20)\d\d\)", one.source)
+    assert re.search(r"\b(19|20)\d\d\b", one.source)
     assert len(one.how) > 10
     assert 0.0 < one.error < 0.02 * one.pf
     assert built.references is not None
@@ -77,10 +86,15 @@ def test_what_an_entry_says_fits_together(name: str) -> None:
     assert (kept.pf, kept.std_error) == (one.pf, one.error)
 
 
+def test_there_are_three_of_every_kind() -> None:
+    count = Counter(kind for name in NAMES for kind in catalogue.entry(name).kinds)
+    assert {kind for kind in catalogue.KINDS if count[kind] < 3} == set()
+
+
 def test_titles_tell_one_from_the_other() -> None:
     titles = catalogue.titles()
-    assert len(set(titles.values())) == len(titles)
-    assert all(10 < len(title) < 90 for title in titles.values())
+    assert len(set(titles.values())) == len(titles) >= 30
+    assert all(10 < len(title) < 98 for title in titles.values())
 
 
 def test_published_values_are_judged_by_their_last_digit() -> None:

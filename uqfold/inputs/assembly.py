@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from uqfold.checks import names as checked_names
 from uqfold.checks import real, refused, shown
 from uqfold.inputs.convert import as_openturns
@@ -13,6 +15,7 @@ from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.joint import JointInputs
 from uqfold.inputs.parts import Parts, check_part, taken_apart
+from uqfold.typing import FloatArray
 
 
 def normal(mean: float, std: float) -> Any:
@@ -26,6 +29,24 @@ def normal(mean: float, std: float) -> Any:
     mean, std = real("mean", mean), real("std", std, above=0.0)
     ot = openturns()
     return ot.Normal(mean, std)
+
+
+def normal_copula(marginals: Mapping[str, Any], correlation: FloatArray) -> Any:
+    """Return a joint distribution of named marginals that depend by a normal copula.
+
+    Parameters
+    ----------
+    marginals
+        Name -> its distribution, in any form `as_openturns` takes.
+    correlation
+        Correlations (d, d) of the normal variables behind them.
+    """
+    ot = openturns()
+    parts = [as_openturns(marginal) for marginal in marginals.values()]
+    copula = ot.NormalCopula(ot.CorrelationMatrix(np.asarray(correlation).tolist()))
+    joint = ot.JointDistribution(parts, copula)
+    joint.setDescription(list(marginals))
+    return joint
 
 
 def product_inputs(

@@ -25,6 +25,11 @@ def normal_cdf(u: float) -> float:
     return 0.5 * math.erfc(-u / math.sqrt(2.0))
 
 
+def normal_pdf(u: FloatArray) -> FloatArray:
+    """Return the density (n,) of a standard-normal variable."""
+    return np.asarray(np.exp(-0.5 * u * u) / math.sqrt(2.0 * math.pi))
+
+
 def over_normal(tail: Callable[[float], float], *kinks: float) -> tuple[float, float]:
     """Return the mean of a function of one standard-normal variable, and its error.
 
@@ -54,14 +59,32 @@ def of_sum(
 ) -> tuple[float, float]:
     """Return the probability that a sum of independent terms is at most a level, and its error.
 
+    The arguments are those of `of_sums`.
+    """
+    pf, error = of_sums(np.array([level]), terms, nodes)
+    return float(pf[0]), error
+
+
+def of_sums(
+    levels: FloatArray,
+    terms: Sequence[tuple[Callable[[FloatArray], FloatArray], int]],
+    nodes: int = 2001,
+) -> tuple[FloatArray, float]:
+    """Return the probabilities that a sum of independent terms is at most each level.
+
     Parameters
     ----------
-    level
-        The level.
+    levels
+        Levels (n,), no more than 14 standard deviations of the sum away from its mean.
     terms
         Each a function of a standard-normal variable of its own, and how often it occurs.
     nodes
         Nodes over that variable; more where a function oscillates.
+
+    Returns
+    -------
+    tuple
+        The probabilities (n,) and the largest of their errors.
 
     Notes
     -----
@@ -83,11 +106,11 @@ def of_sum(
     found = []
     for step in (0.2, 0.16):
         t = (np.arange(0.0, 14.0, step) + 0.5 * step) / spread
-        wave = np.exp(-1j * t * level)
+        wave = np.exp(-1j * np.outer(levels, t))
         for value, times in values:
             wave *= (np.exp(1j * np.outer(t, value)) @ weight) ** times
-        found.append(0.5 - float((wave.imag / t).sum()) * step / spread / np.pi)
-    return found[1], abs(found[1] - found[0]) + 1e-15
+        found.append(0.5 - (wave.imag / t).sum(axis=1) * step / spread / np.pi)
+    return found[1], float(np.abs(found[1] - found[0]).max()) + 1e-15
 
 
 def normal_rule(mean: float, std: float, nodes: int) -> tuple[FloatArray, FloatArray]:
@@ -102,3 +125,34 @@ def panel_rule(low: float, high: float, panels: int) -> tuple[FloatArray, FloatA
     half = 0.5 * (high - low) / panels
     centres = low + half * (2.0 * np.arange(panels) + 1.0)
     return (centres[:, None] + half * x).ravel(), np.tile(half * weight, panels)
+
+
+def over_normals(
+    given: Callable[..., FloatArray],
+    dimension: int,
+    steps: tuple[float, float] = (0.25, 0.2),
+    stretch: Sequence[float] = (),
+) -> tuple[float, float]:
+    """Return the mean of a smooth function of several standard-normal variables, and its error.
+
+    Parameters
+    ----------
+    given
+        Probability of failure given the variables, each an array; they broadcast.
+    dimension
+        How many there are.
+    steps
+        Of two rules of trapezia, which converge faster than any power of their steps; the error is
+        the difference between the two.
+    stretch
+        By how much the step of each variable is longer.
+    """
+    found = []
+    for step in steps:
+        own = step * np.array(stretch or [1.0] * dimension)
+        nodes = [np.arange(-8.5, 8.5 + h, h) for h in own]
+        mean = np.broadcast_to(given(*np.ix_(*nodes)), [u.size for u in nodes])
+        for u, h in zip(nodes[::-1], own[::-1], strict=True):
+            mean = mean @ (h * normal_pdf(u))
+        found.append(float(mean))
+    return found[1], max(abs(found[1] - found[0]), ROUNDING * found[1])

@@ -50,7 +50,9 @@ class Entry:
     how
         How pf was found.
     reference
-        Finds it again: returns pf and error; ``dear`` if that takes more than a second.
+        Finds it again: returns pf and error.
+    dear
+        Whether that takes more than half a second.
     units
         Name of an input -> its unit; those without one are left out.
     published
@@ -96,7 +98,7 @@ class Entry:
             input_units=[self.units.get(one, "") for one in inputs.names],
             references=ReferenceTable(
                 problem=name,
-                kind="simulation" if self.dear else "integration",
+                kind="integration",
                 how=self.how,
                 command=f"uqfold.problems.catalogue.entry({name!r}).reference()",
                 entries={failure: Reference(failure, self.pf, self.error)},

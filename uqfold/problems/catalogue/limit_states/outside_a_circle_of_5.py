@@ -1,0 +1,51 @@
+"""Outside a circle of radius 5, with another limit state inside.
+
+g = 1 - R^2 - (x1 / r) (1 - R^2) / (1 + R^2) with R = |x| / r: zero exactly where R = 1, negative
+beyond.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from uqfold.problems.catalogue.distributions import (
+    standard_normals,
+)
+from uqfold.problems.catalogue.integrals import (
+    closed,
+)
+from uqfold.problems.catalogue.record import Entry
+from uqfold.problems.catalogue.sources import (
+    ERA,
+    GEYER,
+)
+from uqfold.typing import FloatArray
+
+RADIUS = 5.0
+
+
+def limit_state(x: FloatArray) -> FloatArray:
+    """Return g (n,) of X (n, 2)."""
+    square = (x**2).sum(axis=1) / RADIUS**2
+    return np.asarray(1.0 - square - x[:, 0] / RADIUS * (1.0 - square) / (1.0 + square))
+
+
+def reference() -> tuple[float, float]:
+    """Return pf and its error."""
+    return closed(math.exp(-0.5 * RADIUS**2))
+
+
+ENTRY = Entry(
+    source=f"Betz W (2017), Bayesian inference of engineering models, thesis, TU Munich; {GEYER}, "
+    f"example 5, as in {ERA}, cross entropy, example 6",
+    kinds=("design points",),
+    limit_state=limit_state,
+    inputs=lambda: standard_normals(2),
+    reference=reference,
+    pf=3.72665317208e-06,
+    error=5.1e-18,
+    how="closed form: tail of the Rayleigh distribution",
+    published={"ERA-Software, cross entropy": "1e-6"},
+)
