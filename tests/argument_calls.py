@@ -1002,7 +1002,7 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "report.Page.text": Call(page.text, {"source": text(), "small": flag()}),
         "report.Page.write": Call(
-            page.write,
+            report.Page("some").write,
             {
                 "path": Kind(str(folder / "p.md"), folder / "p.md", frozenset({"text"})),
                 "format": choice("md").except_for("none"),
