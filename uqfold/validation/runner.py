@@ -27,10 +27,6 @@ CaseProgress = Callable[[str, int, int | None], None]
 """Called with a case's name, its finished parts (0: it starts), and how many there are."""
 
 
-def unseen(_name: str, _done: int, _total: int | None) -> None:
-    """Tell nobody of the progress."""
-
-
 @dataclass(frozen=True)
 class Validation:
     """How cases are to be measured.
@@ -50,7 +46,7 @@ class Validation:
     tier: Tier
     folder: Path
     faults: bool = False
-    progress: CaseProgress = unseen
+    progress: CaseProgress = lambda _name, _done, _total: None
 
     def run(self, case: Case) -> CaseRecord:
         """Measure one case and write its record.

@@ -88,13 +88,13 @@ class Code(NamedTuple):
 
     times: Callable[[WingParameters], list[float]]
     agreement: float
-    wings: tuple[str, ...]
+    wings: tuple[str, ...] = FEW
 
 
 CODES = {
     "scipy": Code(scipy_times, 2e-6, tuple(parameter_sets())),
-    "multipliers": Code(multiplier_times, 2e-6, FEW),
-    "exudyn": Code(exudyn_times, 1e-5, FEW),
+    "multipliers": Code(multiplier_times, 2e-6),
+    "exudyn": Code(exudyn_times, 1e-5),
 }
 
 
