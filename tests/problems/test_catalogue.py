@@ -1,7 +1,9 @@
 """The catalogue: every limit state has a source, a reference that is found again, and a kind."""
 
 import re
+import runpy
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from uqfold.problems import Problem, catalogue
 from uqfold.problems.catalogue import limit_states
 from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criterion
 
+ROOT = Path(__file__).resolve().parents[2]
 NAMES = list(catalogue.titles())
 AGAIN = [
     pytest.param(name, marks=pytest.mark.slow) if catalogue.entry(name).dear else name
@@ -109,3 +112,39 @@ def test_an_unknown_name_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match=r"name = 'rp0': .*choose from .*'rp22'"):
         catalogue.problem("rp0")
     assert limit_states.__doc__
+
+
+def reference_of(name: str) -> float:
+    return FOUR_BRANCH if name == "four-branch" else catalogue.entry(name).pf
+
+
+FOUR_BRANCH = 2.222795066194e-3
+ODD = {("four-branch", 2.185961e-3), ("rp22", 4.2692e-3)}
+"""What was reported as simulation, but is no whole number of failures."""
+
+
+def test_reported_simulations_agree_with_the_references() -> None:
+    """Billions of runs by others, and whole numbers of failures among them."""
+    table = catalogue.literature()
+    assert list(table.columns) == ["problem", "method", "runs", "pf", "cov", "source"]
+    assert not table.duplicated().any()
+    assert table[["problem", "method", "pf", "source"]].notna().all(axis=None)
+    assert table.problem.isin([*NAMES, "four-branch"]).all()
+    assert (table.runs.dropna() >= 1).all()
+    simulated = table[table.method == "Monte Carlo"]
+    assert len(simulated) > 30
+    for row in simulated.itertuples():
+        pf = reference_of(row.problem)
+        deviation = np.sqrt(pf * (1.0 - pf) / row.runs)
+        assert abs(row.pf - pf) < 3.0 * deviation, row
+        if (row.problem, row.pf) in ODD:
+            continue
+        failures = row.pf * row.runs
+        assert abs(failures - round(failures)) < max(1e-3, 1e-6 * failures), row
+        if row.cov > 0.0:
+            assert row.cov == pytest.approx(deviation / pf, rel=0.06), row
+
+
+def test_the_page_tells_the_catalogue() -> None:
+    page = runpy.run_path(str(ROOT / "docs" / "catalogue.py"))
+    assert page["main"](["--check"]) == 0, "run python docs/catalogue.py"

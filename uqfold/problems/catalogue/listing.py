@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from uqfold.checks import choice
 from uqfold.problems.base import Problem
 from uqfold.problems.catalogue.folder import titles
 from uqfold.problems.catalogue.record import Entry
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def entry(name: str) -> Entry:
@@ -53,3 +58,17 @@ def problem(name: str) -> Problem:
     ('x1', 'x2')
     """
     return entry(name).problem(name)
+
+
+def literature() -> pd.DataFrame:
+    """Return what methods are reported to give on problems of the catalogue and of the package.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``problem``, ``method``, ``runs`` of the model, ``pf`` and its coefficient of variation
+        ``cov`` (both NaN where the source does not say), and ``source``; one row per report.
+    """
+    import pandas as pd
+
+    return pd.read_csv(Path(__file__).with_name("literature.csv"))

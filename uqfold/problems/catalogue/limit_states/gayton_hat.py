@@ -38,7 +38,7 @@ ENTRY = Entry(
     source="Echard B, Gayton N, Lemaire M, Relun N (2013), A combined importance sampling and "
     "Kriging reliability method for small failure probabilities with time-demanding numerical "
     "models, Reliab. Eng. Syst. Saf. 111, 232-240, as in uqtestfuns",
-    kinds=("curved", "flat"),
+    kinds=("curved",),
     limit_state=limit_state,
     inputs=lambda: standard_normals(2),
     reference=reference,
