@@ -13,7 +13,7 @@ from uqfold.typing import FloatArray
 
 def standard_normals(n: int) -> dict[str, Any]:
     """Return x1 to xn, independent standard normals."""
-    return {f"x{i + 1}": normal(0.0, 1.0) for i in range(n)}
+    return dict.fromkeys((f"x{i}" for i in range(1, n + 1)), normal(0.0, 1.0))
 
 
 def lognormal_parameters(mean: float, std: float) -> tuple[float, float]:

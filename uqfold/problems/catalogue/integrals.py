@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from uqfold.typing import FloatArray
 
@@ -108,9 +109,21 @@ def of_sums(
         t = (np.arange(0.0, 14.0, step) + 0.5 * step) / spread
         wave = np.exp(-1j * np.outer(levels, t))
         for value, times in values:
-            wave *= (np.exp(1j * np.outer(t, value)) @ weight) ** times
+            wave *= _means_of_waves(t[0], step / spread, t.size, value, weight) ** times
         found.append(0.5 - (wave.imag / t).sum(axis=1) * step / spread / np.pi)
     return found[1], float(np.abs(found[1] - found[0]).max()) + 1e-15
+
+
+def _means_of_waves(
+    first: float, step: float, count: int, values: FloatArray, weight: FloatArray
+) -> npt.NDArray[np.complex128]:
+    """Return the weighted means (count,) of exp(i t v) over values, for t in equal steps."""
+    wave, turn = weight * np.exp(1j * first * values), np.exp(1j * step * values)
+    means = np.empty(count, dtype=complex)
+    for k in range(count):
+        means[k] = wave.sum()
+        wave *= turn
+    return means
 
 
 def normal_rule(mean: float, std: float, nodes: int) -> tuple[FloatArray, FloatArray]:

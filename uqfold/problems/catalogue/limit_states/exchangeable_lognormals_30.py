@@ -28,7 +28,9 @@ def inputs() -> Any:
     from scipy.stats import lognorm
 
     correlation = np.full((N, N), RHO) + (1.0 - RHO) * np.eye(N)
-    return normal_copula({f"x{i}": lognorm(1.0) for i in range(1, N + 1)}, correlation)
+    return normal_copula(
+        dict.fromkeys((f"x{i}" for i in range(1, N + 1)), lognorm(1.0)), correlation
+    )
 
 
 def reference() -> tuple[float, float]:

@@ -31,7 +31,7 @@ def inputs() -> dict[str, Any]:
     """Return x1 to x100, exponential with mean 1."""
     from scipy.stats import expon
 
-    return {f"x{i}": expon() for i in range(1, 101)}
+    return dict.fromkeys((f"x{i}" for i in range(1, 101)), expon())
 
 
 def reference() -> tuple[float, float]:

@@ -41,7 +41,7 @@ ENTRY = Entry(
     f"23, 365-395; {ECHARD_2011}, example 4",
     kinds=("high dimension",),
     limit_state=limit_state,
-    inputs=lambda: {f"x{i}": lognormal(1.0, SIGMA) for i in range(1, N + 1)},
+    inputs=lambda: dict.fromkeys((f"x{i}" for i in range(1, N + 1)), lognormal(1.0, SIGMA)),
     reference=reference,
     pf=0.00198138411863,
     error=9.6e-15,
