@@ -386,29 +386,38 @@ def test_planes_are_looked_at_where_units_that_differ_fail_together(
         assert row.status == "doubtful"
 
 
-@pytest.mark.parametrize("structure", [Parallel(), KOutOfN(2)])
-def test_a_little_curvature_where_units_fail_together_is_the_stated_error(
-    structure: SystemStructure,
+@pytest.mark.parametrize(
+    ("structure", "bend", "turn"),
+    [
+        # what is seen at one unit's own point is not taken for a cause in common
+        (Parallel(), 0.006, 0.01),
+        (KOutOfN(2), 0.006, 0.01),
+        # planes at the units' own points are 9 % off: others touch where the system fails
+        (Parallel(), 0.01, 0.0),
+        (KOutOfN(2), -0.02, 0.0),
+    ],
+)
+def test_curvature_where_units_fail_together_is_the_stated_error(
+    structure: SystemStructure, bend: float, turn: float
 ) -> None:
-    """What is seen at one unit's point was taken for a cause in common, and every such row doubted.
-
-    Curved by what is shared and, as a product, by what is a unit's own; against a sum over V.
-    """
+    """All such rows were doubted. Against a sum over V."""
     offsets = np.array([0.0, -0.3, 0.2])
     problem = Problem(
-        lambda x: 0.6 * x[:, 0] + 0.006 * x[:, 0] ** 2 + (0.8 + 0.01 * x[:, 0]) * x[:, 1],
+        lambda x: 0.6 * x[:, 0] + bend * x[:, 0] ** 2 + (0.8 + turn * x[:, 0]) * x[:, 1],
         **INPUTS,
         units=[Unit(offset=offset) for offset in offsets],
         structure=structure,
     )
     z = np.linspace(-9.0, 9.0, 361)
-    index = (2.2 - offsets[:, None] - 0.6 * z - 0.006 * z**2) / (0.8 + 0.01 * z)
-    failure, _ = SystemUnits.of(problem).diagram.probabilities(ndtr(-index), ndtr(index))
+    index = (2.2 - offsets[:, None] - 0.6 * z - bend * z**2) / (0.8 + turn * z)
+    found = SystemUnits.of(problem).diagram
+    assert found is not None
+    failure, _ = found.probabilities(ndtr(-index), ndtr(index))
     density = np.exp(-0.5 * z**2)
     truth = failure @ density / density.sum()
     row = OpenTURNSFORM().estimate(problem, Criterion(2.2))[0]
     assert row.status == "converged"
-    assert 0.003 < abs(row.pf / truth - 1.0) < 0.1
+    assert 0.003 < abs(row.pf / truth - 1.0) < 0.06
     assert abs(row.pf - truth) < 2.0 * row.std_error
 
 

@@ -6,18 +6,20 @@ inputs that are drawn where the system of planes fails, or nearly does, each uni
 its own part of its design direction to where it fails, at a random place beside that line. Given
 the shared inputs the units are independent, so that the structure makes of these conditional
 probabilities that of the system; how far it is from what the planes say, averaged over the places,
-is what the planes miss.
+is what the planes miss. If that is too much, planes that touch limit states there may do better.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from uqfold.methods.design_point import Search
-from uqfold.methods.standard_space import SEARCH_RADIUS, StandardSpaceResponse
+from uqfold.methods.standard_space import SEARCH_RADIUS, NoGradientError, StandardSpaceResponse
 from uqfold.problems.criterion import Missions
 from uqfold.system.linearised_units import Planes, PlanesGiven, failure_of_planes
 from uqfold.system.structure import SystemUnits
@@ -41,21 +43,39 @@ STRAIGHT = 0.02
 """A line is followed further if the response leaves the plane by more than this (in standard
 deviations of what is the unit's own)."""
 FURTHER = 3
+TOUCHED = 2
+"""Linearisations, each where the plane before says that a unit fails."""
 
 
-def departure_of_system(
+@dataclass(frozen=True, eq=False)
+class SystemLook:
+    """What runs where the system fails show of the planes of its units.
+
+    Attributes
+    ----------
+    departure
+        What the planes miss there, relative to the smaller probability: their mean distance from
+        what is seen, and two standard errors of it.
+    centre
+        The middle (s,) of where shared inputs lie when the system of planes fails.
+    """
+
+    departure: float
+    centre: FloatArray
+
+
+def look_at_system(
     responses: Sequence[StandardSpaceResponse],
     searches: Sequence[Search],
     n_shared: int,
     units: SystemUnits,
     missions: Missions,
-) -> float:
-    """Return what the planes miss where the system fails, relative to the smaller probability.
+) -> SystemLook:
+    """Look at the planes of units where their system fails, or works if that is rarer.
 
-    It is their mean distance from what is seen, and two standard errors of it.
     Before, the axes of shared inputs and other rays are looked at as far out as a cause of failure
-    may begin that units have in common; where one does, the answer is infinite. Nothing is asked of
-    units in series, which fail near the design points of one.
+    may begin that units have in common; where one does, the departure is infinite. Nothing is asked
+    of units in series, which fail near the design points of one.
 
     Parameters
     ----------
@@ -71,8 +91,9 @@ def departure_of_system(
     BudgetExceededError
         If the runs do not fit.
     """
+    nowhere = np.zeros(n_shared)
     if units.diagram is None:
-        return 0.0
+        return SystemLook(0.0, nowhere)
     betas = np.array([one.best.beta(one.threshold) for one in searches])
     shared = np.array([one.best.alpha[:n_shared] for one in searches])
     own = np.sqrt(np.maximum(0.0, 1.0 - (shared**2).sum(axis=1)))
@@ -83,9 +104,9 @@ def departure_of_system(
     small = (found.pf, found.reliability)[rarer]
     side = 1.0 - 2.0 * rarer
     if small == 0.0:
-        return math.inf
+        return SystemLook(math.inf, nowhere)
     if _common_cause(responses, searches, n_shared, units, NOTICED * small, rarer):
-        return math.inf
+        return SystemLook(math.inf, nowhere)
     nearer = planes.with_betas(planes.betas - side * NEARLY)
     more = failure_of_planes(nearer, units, missions)
     both = small, (more.pf, more.reliability)[rarer]
@@ -100,7 +121,29 @@ def departure_of_system(
     ]
     seen = given[0].of_indices(indices)[rarer]
     changes = (seen - by_planes[0]) / density / small
-    return float(abs(changes.mean()) + 2.0 * changes.std(ddof=1) / math.sqrt(PLACES))
+    departure = float(abs(changes.mean()) + 2.0 * changes.std(ddof=1) / math.sqrt(PLACES))
+    return SystemLook(departure, places[: PLACES // 2].mean(axis=0))
+
+
+def planes_at(
+    responses: Sequence[StandardSpaceResponse], searches: Sequence[Search], centre: FloatArray
+) -> list[Search]:
+    """Return searches (J,) whose planes touch where each unit fails, given shared inputs (s,)."""
+    found = []
+    for response, search in zip(responses, searches, strict=True):
+        plane = search.best
+        with suppress(NoGradientError):
+            for _ in range(TOUCHED):
+                shared, individual = np.split(plane.alpha, [centre.size])
+                own = float(individual @ individual)
+                gap = plane.beta(search.threshold) - centre @ shared
+                ahead = gap / own * individual if own >= LEAST_OWN**2 else 0.0 * individual
+                point = np.concatenate([centre, ahead])
+                if math.hypot(*point) > SEARCH_RADIUS:
+                    break
+                plane = response.linearise(point)
+        found.append(replace(search, trace=[(plane, "")]))
+    return found
 
 
 def _common_cause(

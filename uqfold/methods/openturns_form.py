@@ -31,7 +31,6 @@ from uqfold.methods.design_point import (
     verdict,
 )
 from uqfold.methods.design_point_check import Surroundings, with_error
-from uqfold.methods.design_point_of_system import departure_of_system
 from uqfold.methods.design_points_of_units import estimate_of_units
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.standard_space import (
@@ -43,7 +42,7 @@ from uqfold.methods.standard_space import (
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import FORM
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Criterion, Missions
+from uqfold.problems.criterion import Criterion
 from uqfold.system.linearised import linearised_failure
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
@@ -190,12 +189,6 @@ class OpenTURNSFORM(ReliabilityMethod):
         # at an infinite threshold
         alike = SystemUnits(units.count, units.diagram)
 
-        def departure(own: Sequence[Search], missions: Missions) -> float:
-            of_sorts = [responses[kind] for kind in units.of_kinds.tolist()]
-            for response in responses:
-                response.allowed = session.n_evals + session.remaining
-            return departure_of_system(of_sorts, own, kinds.n_shared, units, missions)
-
         def of_units(criterion: Criterion) -> Estimate:
             thresholds = units.thresholds(criterion.threshold).tolist()
             keys = list(zip(units.of_kinds.tolist(), thresholds, strict=True))
@@ -206,14 +199,16 @@ class OpenTURNSFORM(ReliabilityMethod):
             ]
             spent = n_start + sum(searches[key].n_evals for key in dict.fromkeys(keys))
             before = session.n_evals
+            for response in responses:
+                response.allowed = session.n_evals + session.remaining
             estimate = estimate_of_units(
+                [responses[kind] for kind, _ in keys],
                 own,
                 verdicts,
                 kinds.n_shared,
                 units,
                 criterion.missions,
                 self.target_cov,
-                partial(departure, own, criterion.missions),
             )
             return replace(estimate, n_evals_row=spent + session.n_evals - before)
 

@@ -84,9 +84,10 @@ class PlanesGiven:
         left, sizes, right = np.linalg.svd(planes.shared, full_matrices=False)
         kept = sizes > _PARALLEL * max(1.0, float(sizes.max(initial=0.0)))
         self.betas, self.units, self.missions = planes.betas, units, missions
-        self.factors: FloatArray = left[:, kept] * sizes[kept]
+        signs = np.where(left.sum(axis=0) < 0.0, -1.0, 1.0)[kept]
+        self.factors: FloatArray = left[:, kept] * sizes[kept] * signs
         """Coordinates (J, r) of the shared parts in their own span."""
-        self.span: FloatArray = right[kept]
+        self.span: FloatArray = right[kept] * signs[:, None]
         """That span: r unit vectors (r, s)."""
         self.own = np.sqrt(np.maximum(0.0, 1.0 - (self.factors**2).sum(axis=1)))
         """Lengths (J,) of the parts that are the units' own."""
@@ -134,7 +135,8 @@ class PlanesGiven:
         tried = places.draw(_TRIED, rng)
         weights = self(tried.T)[which] * np.exp(-places.log_density(tried))
         spread = np.cov(tried.T, aweights=weights).reshape(self.n_factors, -1)
-        order = np.argsort(tried @ np.linalg.eigh(spread)[1][:, -1])
+        widest = np.linalg.eigh(spread)[1][:, -1]
+        order = np.argsort(tried @ widest * math.copysign(1.0, widest.sum()))
         ends = np.cumsum(weights[order])
         chosen = order[np.searchsorted(ends / ends[-1], (np.arange(count) + rng.random()) / count)]
         free -= free @ self.span.T @ self.span
