@@ -180,7 +180,7 @@ class Watching:
     def problem(self) -> uqfold.Problem:
         inputs = CurvedSystem().problem().inputs.distribution
         return uqfold.Problem(
-            self, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=2
+            self, shared=inputs.getMarginal([0]), individual=inputs.getMarginal([1, 2]), units=1
         )
 
 
@@ -283,7 +283,7 @@ def test_method_computes_on_one_thread(
         return solve(self, task)
 
     monkeypatch.setattr(type(method), "_solve", watched)
-    method.estimate(CurvedSystem().problem(), uqfold.criteria(12.5), rng=1)
+    method.estimate(CurvedSystem(units=1).problem(), uqfold.criteria(12.5), rng=1)
     assert seen == [ONE]
 
 

@@ -59,7 +59,7 @@ def test_the_systems_are_those_of_monte_carlo(found: PfDerivatives) -> None:
 
 def test_stated_errors_are_those_of_repetition() -> None:
     grid = criteria(12.0, tau=3.0)
-    runs = [score_derivatives(SYSTEM.problem(), grid, 2_000, rng=seed).rows for seed in range(60)]
+    runs = [score_derivatives(SYSTEM.problem(), grid, 1_000, rng=seed).rows for seed in range(60)]
     derivative = np.array([[row.derivative for row in rows] for rows in runs])
     stated = np.array([[row.std_error for row in rows] for rows in runs])
     ratio = derivative.std(axis=0, ddof=1) / np.sqrt((stated**2).mean(axis=0))

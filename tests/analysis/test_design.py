@@ -221,7 +221,7 @@ def test_doubts_next_to_the_value_count_and_others_do_not() -> None:
 
 def test_a_moment_is_spelled_as_it_is() -> None:
     """ "Mean" was taken for the standard deviation, and nothing was found."""
-    match = "moment = 'Mean': choose from 'mean', 'standard deviation'"
+    match = "moment = 'Mean': did you mean 'mean'\\? choose from"
     with pytest.raises(ValueError, match=match):
         design_input(
             SYSTEM.problem(), Criterion(12.0), 0.1, "U", (0.5, 1.0),

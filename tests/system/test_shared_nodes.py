@@ -26,7 +26,7 @@ DENSITY = np.exp(-0.5 * V**2) / math.sqrt(2.0 * math.pi) * (V[1] - V[0])
         (0.4, 200, 100, 1.9),  # 0 with five nodes, and no doubt
         (0.4, 20, 1, 0.9),
         (0.2, 50, 25, 0.6),
-        (0.8, 200, 100, 3.0),
+        (0.8, 40, 20, 3.0),
         (0.6, 8, 2, 3.0),  # 0.7 % off at four stated errors
     ],
 )
