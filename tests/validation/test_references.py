@@ -135,13 +135,8 @@ SMALLER = {
 }
 
 
-COMPUTED: dict[str, ReferenceTable] = {}
-
-
 def recomputed(script: Script, name: str) -> ReferenceTable:
     """A few rows at resolutions of their own, quicker than those of the shipped file."""
-    if name in COMPUTED:
-        return COMPUTED[name]
     s = script("order_statistics")
     if name == "series":
         module = script("series")
@@ -157,8 +152,7 @@ def recomputed(script: Script, name: str) -> ReferenceTable:
         fine = replace(fine, reach=8.5, shared_step=0.5, individual_step=0.5)
     found = s.references(unit, replace(grid, **SMALLER[name]), coarse, fine)
     text = script("tables").as_text(name, "integration", "", "", found)
-    COMPUTED[name] = parse_references(json.loads(text))
-    return COMPUTED[name]
+    return parse_references(json.loads(text))
 
 
 @pytest.mark.parametrize("name", list(SMALLER))
