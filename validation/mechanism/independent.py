@@ -62,24 +62,17 @@ class FiveCoordinateWing:
         return [*y[5:], *(F / m for F, m in zip([about_A, *Q[3:7]], self.inertia, strict=True))]
 
 
-def deployment_time(
-    p: WingParameters,
-    rtol: float = 1e-9,
-    atol: float = 1e-11,
-    max_step: float = 1e-4,
-    *,
-    method: str = "DOP853",
-) -> float:
-    """Return the time of the lock (s) by SciPy, +inf without one until `t_max`."""
-    return follow(FiveCoordinateWing(p), rtol, atol, max_step, method=method)[2]
+def deployment_time(p: WingParameters, **how: Any) -> float:
+    """Return the time of the lock (s) by SciPy, +inf without one; `how` as in `follow`."""
+    return follow(FiveCoordinateWing(p), **how)[2]
 
 
 def follow(
     wing: Any,
+    *,
     rtol: float = 1e-9,
     atol: float = 1e-11,
     max_step: float = 1e-4,
-    *,
     method: str = "DOP853",
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Follow a wing by SciPy, restarted wherever a contact begins or ends or the drive bends.

@@ -33,10 +33,11 @@ SOLVERS = ("LSODA", "DOP853", "RK45")
 
 def scipy_times(method: str, wings: list[WingParameters]) -> np.ndarray:
     """Return deployment times (s) by SciPy, NaN where it went where no function is defined."""
+    how = {"rtol": 1e-4, "atol": 1e-6, "max_step": math.inf, "method": method}
 
     def deploy(wing: WingParameters) -> float:
         try:
-            return independent.deployment_time(wing, 1e-4, 1e-6, math.inf, method=method)
+            return independent.deployment_time(wing, **how)
         except (OverflowError, ValueError):
             return math.nan
 
