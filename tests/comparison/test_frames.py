@@ -117,3 +117,20 @@ def test_a_frame_with_impossible_numbers_is_refused(
     frame[name] = [value] * len(frame)
     with pytest.raises(ValueError, match=message):
         checked_frame(frame)
+
+
+def test_a_comparison_prints_the_columns_that_people_read(frame: pd.DataFrame) -> None:
+    """It printed 6 of 29 columns, of which pf was none."""
+    head, first, *_ = repr(frame).splitlines()
+    assert head.split() == [
+        "label", "threshold", "tau", "missions", "pf", "ci_low", "ci_high", "reference_pf", "error",
+        "n_evals_row", "status",
+    ]  # fmt: skip
+    assert f"{frame['pf'].iloc[0]:.4g}" in first.split()
+    assert "<th>pf</th>" in (frame._repr_html_() or "")
+    assert len(frame.columns) == 29
+    # what says nothing is left out, and parts that are no comparison print as frames do
+    plain = frame[frame["tau"].isna() & (frame["missions"] == "1")].assign(error=math.nan)
+    assert not {"tau", "missions", "error"} & set(repr(plain).split())
+    part = frame[["label", "pf"]]
+    assert repr(part) == repr(pd.DataFrame(part))

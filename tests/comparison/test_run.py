@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import uqfold
@@ -51,6 +52,14 @@ def test_error_and_reference_stand_beside_each_answer() -> None:
     np.testing.assert_allclose(biased["error"][answered], 0.2, rtol=1e-12)
     assert biased["error"][~answered].isna().all()
     assert list(answered) == [one.tau is None for one in GRID]
+
+
+def test_a_number_is_a_threshold() -> None:
+    frame = uqfold.compare(toy_problem(), ["mc"], 12.0, max_evals=3000)
+    pd.testing.assert_frame_equal(
+        frame.drop(columns="seconds"),
+        uqfold.compare(toy_problem(), "mc", criteria(12.0), max_evals=3000).drop(columns="seconds"),
+    )
 
 
 def test_references_are_never_interpolated() -> None:

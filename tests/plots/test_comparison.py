@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told
+from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told, toy_problem
 from tests.comparison.fakes import toy_frame as frame
 from uqfold import plots
 from uqfold.methods import available
@@ -179,6 +179,29 @@ def test_answers_that_are_all_zero_are_arrows(grid: Any) -> None:
     }
     assert markers & {4, 7}
     figure.canvas.draw()
+
+
+def test_results_of_methods_are_drawn_as_a_frame_is() -> None:
+    """A plot took frames alone: "no attribute 'columns'" for what a method returns."""
+    problem = toy_problem(SHORT)
+    results = [Told(bias=bias).estimate(problem, SHORT) for bias in (0.0, 0.5)]
+    for given, labels in (
+        (results[0], ["told"]),
+        (results, ["told", "told 2"]),
+        ({"one": results[0], "other": results[1]}, ["one", "other"]),
+    ):
+        told = plots.values(plots.comparison(given))
+        named = {
+            name.split(";")[0].removeprefix("method=")
+            for name in told
+            if name.startswith("method=")
+        }
+        assert named == set(labels)
+        (axes,) = plots.reliability_panels(given, ["pf"]).axes
+        assert len([line for line in axes.lines if len(line.get_xdata()) == 3]) == len(labels)
+        assert axes.get_xlabel() == "threshold T"
+    with pytest.raises(TypeError, match=r"give a DataFrame of uqfold\.compare, or results"):
+        plots.comparison([3])  # type: ignore[list-item]
 
 
 def test_many_methods_and_panels_are_drawn() -> None:

@@ -1,5 +1,6 @@
 """The report on a comparison, from records, frames and folders."""
 
+import io
 import json
 import math
 import re
@@ -9,15 +10,17 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+import openturns as ot
 import pandas as pd
 import pytest
+from rich.console import Console
 
 import uqfold
 from tests.comparison.fakes import GRID, METHODS, Told, toy_frame
 from tests.report.page.reading import Element, read
 from uqfold.comparison import RecordsError, write_records
 from uqfold.problems.criterion import Binomial, criteria
-from uqfold.report import report_page, write_report
+from uqfold.report import ComparisonTable, report_page, write_report
 
 HOSTILE = "</script><script>stolen()</script><img src=x onerror=stolen()>"
 
@@ -227,3 +230,32 @@ def test_one_answer_is_and_several_are(small: pd.DataFrame) -> None:
     two.iloc[:2, two.columns.get_loc("status")] = "doubtful"
     assert f"1 of {len(small)} is doubtful" in report_page(one).markdown()
     assert f"2 of {len(small)} are doubtful" in report_page(two).markdown()
+
+
+def test_a_limit_state_of_ones_own_shows_pf_first_and_is_one_criterion() -> None:
+    """It was "T = -4.94066e-324" of a "response: response", with pf far below the first screen."""
+    problem = uqfold.Problem.from_limit_state(lambda x: 2.0 - x[:, 0], ot.Normal(2))
+    frame = uqfold.compare(problem, ["mc", "openturns-form"], max_evals=2000)
+    page = report_page(frame)
+    text = page.markdown()
+    first_screen = text[: text.index("## ")]
+    pf = frame["pf"].iloc[1]
+    assert f"How likely is failure? **pf = {pf:.4f}**" in first_screen
+    assert f"| {pf:.5f} |" in first_screen
+    assert "criteria" not in first_screen
+    table = io.StringIO()
+    Console(file=table, width=80).print(ComparisonTable(frame))
+    for said in (text, table.getvalue()):
+        assert "e-324" not in said
+        assert "10⁻³²⁴" not in said
+        assert "response: response" not in said
+    assert "g &lt;= 0" in text
+    assert table.getvalue().startswith("limit state: seed 0, at most 2,000")
+    assert "\ng <= 0, 1 mission   no reference\n" in table.getvalue()
+
+
+def test_several_criteria_without_a_reference_show_the_range_of_pf() -> None:
+    frame = toy_frame(methods={"biased": Told(bias=0.2), "exact": Told()}, referenced=False)
+    text = report_page(frame).markdown()
+    assert "How likely is failure? **pf = " in text
+    assert " to " in text[text.index("**pf = ") :].split("**")[1]

@@ -54,15 +54,17 @@ def relative_error(pf: float, reference_pf: float) -> float:
 
 
 def rows_to_frame(rows: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return the rows as a pandas frame with the columns and types of `COLUMNS`."""
+    """Return the rows as a frame with the columns and types of `COLUMNS`."""
     import pandas as pd
+
+    from uqfold.comparison.printed import ComparisonFrame
 
     listed = list(rows)
     dtypes: dict[type, type | str] = {float: "float64", str: str, int: "int64"}
     if listed:
         # a seed may exceed 64 bits: integers keep the type that pandas finds for them
         del dtypes[int]
-    return pd.DataFrame(
+    return ComparisonFrame(
         {
             name: pd.Series([row[name] for row in listed], dtype=dtypes.get(kind))
             for name, kind in COLUMNS.items()

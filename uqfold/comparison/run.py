@@ -120,7 +120,7 @@ def compare(
         Names, methods, or a mapping from label to either; one name or method alone will do. None
         takes every available method with its default settings.
     criteria
-        What "works" means; None takes the problem's own default criteria.
+        What "works" means: a grid, a threshold alone, or None for the problem's own default.
     max_evals
         Most evaluations that each method may spend; None: as many as its settings ask for.
     rng

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from numbers import Real
 from typing import TypeAlias
 
 from uqfold.checks import instance, or_none, refused, whole
@@ -10,7 +11,7 @@ from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
 
-CriteriaLike: TypeAlias = Criteria | Criterion | Iterable[Criterion] | None
+CriteriaLike: TypeAlias = Criteria | Criterion | Iterable[Criterion] | float | None
 
 
 def checked_problem(problem: Problem) -> Problem:
@@ -51,7 +52,7 @@ def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
 
 
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
-    """Return the criteria as a grid; None stands for the problem's default criteria.
+    """Return the criteria as a grid; a number is a threshold, None the problem's default ones.
 
     Raises
     ------
@@ -68,6 +69,8 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
                 "uqfold.criteria(threshold=...)"
             )
         return problem.default_criteria
+    if isinstance(criteria, float | Real):
+        criteria = Criterion(float(criteria))
     if isinstance(criteria, Criterion):
         return Criteria([criteria])
     return criteria if isinstance(criteria, Criteria) else Criteria(criteria)

@@ -9,7 +9,7 @@ from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD
+from uqfold.problems.criterion import threshold_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,7 +60,7 @@ class Tabular(Generic[Record]):
     def _table(self) -> pd.DataFrame:
         import pandas as pd
 
-        shown = {name: [_text(name, getattr(row, name)) for row in self.rows]
+        shown = {name: [cell_text(name, getattr(row, name)) for row in self.rows]
                  for name in self._SHOWN}  # fmt: skip
         return pd.DataFrame({name: texts for name, texts in shown.items() if any(texts)})
 
@@ -88,9 +88,10 @@ _COST: dict[str, Any] = {
 }
 
 
-def _text(name: str, value: Any) -> str:
-    if name == "threshold" and value == LIMIT_STATE_THRESHOLD:
-        return "g <= 0"
+def cell_text(name: str, value: Any) -> str:
+    """Return a value of a column as it is printed; NaN as nothing."""
+    if name == "threshold":
+        return threshold_text(value).removeprefix("T = ")
     if isinstance(value, float):
         return "" if math.isnan(value) else f"{value:.4g}"
     return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from uqfold.plots.panels import key, mark
+from uqfold.plots.rows import Answers, answers_frame
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -46,7 +47,7 @@ _ARROWS = {"down": 7, "up": 6}
 
 
 @figure_settings()
-def comparison(frame: pd.DataFrame) -> Figure:
+def comparison(frame: Answers) -> Figure:
     """Draw how methods compare: the curve of pf once, and the answers of every method against it.
 
     On top stands pf over the threshold, the reference with its band; below it one narrow row per
@@ -57,7 +58,8 @@ def comparison(frame: pd.DataFrame) -> Figure:
     Parameters
     ----------
     frame
-        What `uqfold.compare` returned, or some rows of it; rows without an answer leave gaps.
+        What `uqfold.compare` returned, or some rows of it; rows without an answer leave gaps. Or a
+        result of a method, several, or a dict of label -> result.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def comparison(frame: pd.DataFrame) -> Figure:
     spread = _spread(answers) if by else math.inf
     answers = _placed(answers, spread**1.04).sort_values("threshold", kind="stable")
     styles = method_styles(answers["label"].unique())
-    drawing = _Drawing(answers, styles, by, spread, threshold_label(frame))
+    drawing = _Drawing(answers, styles, by, spread, threshold_label(answers_frame(frame, ())))
     panels = list(answers["panel"].unique())
     blocks = math.ceil(len(panels) / ABREAST)
     height, draw = 2.4 + (0.5 * len(styles) if by else 0.6), drawing.curves
@@ -87,7 +89,8 @@ def comparison(frame: pd.DataFrame) -> Figure:
     if handles := drawing.handles():
         figure.legend(handles=handles, loc="outside lower left", ncols=len(handles))
     title = f"methods against {by}" if by else "failure probability"
-    figure.suptitle(f"{problem}: {title}", x=0.01, ha="left", fontweight="bold")
+    title = f"{problem}: {title}" if problem else title
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     return figure
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from uqfold.checks import choice, instance, or_none, refused, several, text
 from uqfold.plots.panels import key, legend_below, mark, percent_axis, stacked
-from uqfold.plots.rows import checked, distinct, having
+from uqfold.plots.rows import Answers, answers_frame, distinct, having
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -59,7 +59,7 @@ _SMALL: Any = {"markersize": 3.6, "markeredgewidth": 0.9}
 
 @figure_settings()
 def reliability_panels(
-    frame: pd.DataFrame,
+    frame: Answers,
     quantities: Sequence[Quantity] = ("reliability", "pf"),
     *,
     curves: str | None = None,
@@ -72,7 +72,8 @@ def reliability_panels(
     Parameters
     ----------
     frame
-        What `uqfold.compare` returned, of one problem, or of two (`pandas.concat` joins frames).
+        What `uqfold.compare` returned, of one problem, or of two (`pandas.concat` joins frames);
+        or a result of a method, several, or a dict of label -> result.
     quantities
         What to draw, from top to bottom: ``reliability``; ``pf`` on a logarithmic axis; ``error``
         of Eq. (49) against the reference, hollow where the reference cannot judge it;
@@ -100,7 +101,7 @@ def reliability_panels(
 
     if not (quantities := several("quantities", quantities, choice, get_args(Quantity))):
         raise refused("quantities", quantities, "give one or more")
-    rows = checked("frame", frame, NEEDS)
+    rows = answers_frame(frame, NEEDS)
     rows = rows.sort_values("threshold", kind="stable", ignore_index=True)
     for name, column in (("curves", curves), ("panels", panels)):
         or_none(name, column, choice, rows.columns)

@@ -3,13 +3,44 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import instance, refused
+from uqfold.checks import instance, refused, several
+from uqfold.comparison.columns import comparison_row, rows_to_frame
+from uqfold.methods.result import ReliabilityResult
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+Answers: TypeAlias = (
+    "pd.DataFrame | ReliabilityResult | Iterable[ReliabilityResult] | "
+    "Mapping[str, ReliabilityResult]"
+)
+"""A frame of `uqfold.compare`, a result of a method, several, or label -> result."""
+
+
+def answers_frame(frame: Answers, needs: Sequence[str]) -> pd.DataFrame:
+    """Return the frame of a comparison, checked; results of methods become one without problem.
+
+    Results that have no labels are called by their methods, further ones of a method by a number
+    behind it.
+    """
+    if hasattr(frame, "columns"):
+        return checked("frame", frame, needs)
+    given: Any = [frame] if isinstance(frame, ReliabilityResult) else frame
+    if not isinstance(given, Mapping):
+        remedy = "give a DataFrame of uqfold.compare, or results of methods"
+        results = several("frame", given, instance, ReliabilityResult, remedy)
+        names = [result.method for result in results]
+        before = [names[:i].count(name) for i, name in enumerate(names)]
+        labels = [f"{name} {k + 1}" if k else name for name, k in zip(names, before, strict=True)]
+        given = dict(zip(labels, results, strict=True))
+    rows = (
+        comparison_row("", label, row, None) for label, result in given.items() for row in result
+    )
+    return checked("frame", rows_to_frame(rows), needs)
 
 
 def checked(name: str, frame: object, needs: Sequence[str]) -> pd.DataFrame:

@@ -62,6 +62,8 @@ def tell(artist: Any, belongs: str, texts: Sequence[str] = ()) -> None:
 def told(figure: Figure) -> Iterator[tuple[Artist, list[Spot]]]:
     """Return the artists that belong to something, with those of their points that are marked."""
     for axes in figure.axes:
+        # axes scale to what is drawn in them only when somebody asks
+        axes.get_xlim()
         for artist in (axes, *axes.get_children()):
             if "=" in (artist.get_gid() or ""):
                 yield artist, _spots(artist, figure)

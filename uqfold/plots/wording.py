@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.plots.rows import checked
+from uqfold.plots.rows import Answers, answers_frame
 from uqfold.plots.style import HEADER
+from uqfold.problems.criterion import threshold_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,6 +18,8 @@ Row: TypeAlias = Mapping[str, Any]
 
 
 NO_VALUE = "-"
+NAMELESS = "response"
+"""What a response is called that nobody gave a name."""
 REFERENCE_STANDARD_ERRORS = 2.0
 """Width of the band in which a reference cannot tell an estimate from the truth."""
 
@@ -44,9 +47,10 @@ def quantity(value: float, unit: str) -> str:
 
 def value_text(column: str, value: Any, unit: str) -> str:
     """Write one value of a column as figures and reports call it, for instance ``tau = 0.04 s``."""
-    if column in ("threshold", "tau"):
-        name = "T" if column == "threshold" else column
-        return f"no {name}" if value is None else f"{name} = {quantity(value, unit)}"
+    if column == "threshold":
+        return threshold_text(value, unit)
+    if column == "tau":
+        return "no tau" if value is None else f"tau = {quantity(value, unit)}"
     if column in ("missions", "units") and str(value).isdecimal():
         return f"{value} {column.removesuffix('s') if str(value) == '1' else column}"
     return f"missions ~ {value}" if column == "missions" else str(value)
@@ -61,7 +65,7 @@ def panel_text(key: tuple[float | None, str], unit: str) -> str:
 
 def criterion_text(key: CriterionKey, unit: str) -> str:
     """Write a whole criterion, for instance ``T = 0.55 s, 1 mission``."""
-    return f"T = {quantity(key[0], unit)}, {panel_text(key[1:], unit)}"
+    return f"{threshold_text(key[0], unit)}, {panel_text(key[1:], unit)}"
 
 
 def scientific(value: float, digits: int) -> str:
@@ -133,46 +137,42 @@ def in_figure(text: str, most: int = 28) -> str:
     return cut.replace("$", r"\$")
 
 
-def comparison_rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a comparison.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `frame` is not a frame of `uqfold.compare`, or has no rows.
-    """
-    needs = ("problem", "label", "threshold", "pf", "error", "status")
-    rows: list[dict[str, Any]] = checked("frame", frame, needs).to_dict("records")
-    return rows
-
-
 def response_of(frame: pd.DataFrame) -> tuple[str, str]:
-    """Return response and unit as the header of the comparison has them."""
+    """Return response and unit as the header of the comparison has them; empty without a name."""
     header = frame.attrs.get(HEADER, {})
-    return header.get("response", "response"), header.get("response_unit", "")
+    response = header.get("response", NAMELESS)
+    return "" if response == NAMELESS else response, header.get("response_unit", "")
+
+
+def response_text(frame: pd.DataFrame) -> str:
+    """Write response and unit, for instance ``deployment time (s)``; empty without both."""
+    response, unit = response_of(frame)
+    return f"{response}{f' ({unit})' if unit else ''}".strip()
 
 
 def threshold_label(frame: pd.DataFrame) -> str:
     """Return the label of an axis of thresholds."""
     response, unit = map(in_figure, response_of(frame))
-    return f"threshold T on {response}{f' ({unit})' if unit else ''}"
+    said = f"threshold T{f' on {response}' if response else ''}"
+    return f"{said} ({unit})" if unit else said
 
 
-def drawable(rows: Iterable[Row], column: str) -> bool:
+def drawable(frame: pd.DataFrame, column: str) -> bool:
     """Return whether a number of that column has a place on an axis in any of the rows."""
-    return any(math.isfinite(row["threshold"]) and 0.0 <= row[column] <= LARGEST for row in rows)
+    finite = frame["threshold"].abs() < math.inf
+    return bool((finite & frame[column].between(0.0, LARGEST)).any())
 
 
-def answers_of(frame: pd.DataFrame) -> pd.DataFrame:
+def answers_of(frame: Answers) -> pd.DataFrame:
     """Return the rows of a comparison that have a place in a figure, and their words.
 
     Rows at finite thresholds; numbers that have no place on an axis (infinite, negative, beyond
     `LARGEST`) become NaN. The columns ``panel`` (tau and missions), ``criterion`` and ``text``
     (the whole answer) say each row in words.
     """
-    rows = comparison_rows(frame)
-    unit = response_of(frame)[1]
-    answers = frame.assign(
+    whole = answers_frame(frame, ("problem", "label", "threshold", "pf", "error", "status"))
+    rows, unit = whole.to_dict("records"), response_of(whole)[1]
+    answers = whole.assign(
         panel=[panel_text(panel_key(row), unit) for row in rows],
         criterion=[criterion_text(criterion_key(row), unit) for row in rows],
         text=[answer_text(row, unit) for row in rows],

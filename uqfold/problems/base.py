@@ -195,7 +195,8 @@ class Problem:
         if "units" in options:
             remedy = "a limit state has one unit; give Problem(model, units=...) for several"
             raise refused("units", options["units"], remedy)
-        options.setdefault("name", getattr(g, "__name__", "limit state"))
+        name = getattr(g, "__name__", "<lambda>")
+        options.setdefault("name", "limit state" if name == "<lambda>" else name)
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
         # a model of one sample knows how to change its sign and stay one
         negated = getattr(g, "negated", None)

@@ -14,6 +14,12 @@ LIMIT_STATE_THRESHOLD = float(np.nextafter(0.0, -1.0))
 """Threshold of a plain limit state: failure is g <= 0, so y = -g works only below zero."""
 
 
+def threshold_text(threshold: float, unit: str = "") -> str:
+    """Write a threshold, for instance ``T = 0.55 s``; that of a limit state is ``g <= 0``."""
+    limit_state = threshold == LIMIT_STATE_THRESHOLD
+    return "g <= 0" if limit_state else f"T = {threshold:g} {unit}".rstrip()
+
+
 @dataclass(frozen=True)
 class Binomial:
     """A binomial number of missions, Eq. (29): `planned` flights, each flown with probability `p`.
@@ -75,8 +81,7 @@ class Criterion:
         return self.missions.planned if isinstance(self.missions, Binomial) else self.missions
 
     def __str__(self) -> str:
-        limit_state = self.threshold == LIMIT_STATE_THRESHOLD
-        parts = ["g <= 0" if limit_state else f"T = {self.threshold:g}"]
+        parts = [threshold_text(self.threshold)]
         if self.tau is not None:
             parts.append(f"tau = {self.tau:g}")
         parts.append(f"m = {self.missions}")

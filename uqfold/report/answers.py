@@ -10,14 +10,13 @@ from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     NO_VALUE,
     Row,
-    comparison_rows,
     percent,
     probability,
-    quantity,
     reference_resolution,
     scientific,
     seconds_text,
 )
+from uqfold.problems.criterion import threshold_text
 from uqfold.report.page.cells import TONES, Cell
 from uqfold.report.scores import RIGHT_WITHIN, method_scores
 
@@ -64,13 +63,15 @@ def answers_table(frame: pd.DataFrame) -> pd.DataFrame:
     """Return every answer of a comparison as cells; columns that would be empty are left out."""
     import pandas as pd
 
-    rows, unit = comparison_rows(frame), frame.attrs[HEADER]["response_unit"]
+    rows, unit = frame.to_dict("records"), frame.attrs[HEADER]["response_unit"]
     in_unit = f" ({unit})" if unit else ""
     numbers = remarks(rows)
     table = pd.DataFrame(
         {
             "method": row["label"],
-            f"T{in_unit}": Cell(quantity(row["threshold"], ""), row["threshold"]),
+            f"T{in_unit}": Cell(
+                threshold_text(row["threshold"]).removeprefix("T = "), row["threshold"]
+            ),
             f"tau{in_unit}": _cell(row["tau"], f"{row['tau']:g}", "none"),
             "missions": row["missions"],
             "pf": Cell(probability(row["pf"], 4), row["pf"]),
@@ -126,7 +127,17 @@ def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
         )
     of_references = ["median error", "largest", WITHIN, "interval covers"]
     without = [] if scores["referenced"].any() else of_references
-    return pd.DataFrame(listed).drop(columns=without)
+    table = pd.DataFrame(listed).drop(columns=without)
+    if len(table) < len(frame):
+        return table
+    # one criterion: its answers stand in the place of counts
+    counts = {"answered", "largest", WITHIN, "interval covers"} & set(table.columns)
+    table = table.drop(columns=list(counts)).rename(columns={"median error": "error"})
+    answers = answers_table(frame)
+    table["status"] = [Cell(one.text.removeprefix("1 "), tone=one.tone) for one in table["status"]]
+    table.insert(1, "pf", answers["pf"])
+    table.insert(2, "interval", answers["interval"])
+    return table
 
 
 def remarks_table(rows: Sequence[Row]) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,16 +11,16 @@ import uqfold
 from uqfold.checks import path as checked_path
 from uqfold.plots.comparison_figure import comparison
 from uqfold.plots.error_figure import error_against_evaluations
+from uqfold.plots.rows import Answers, answers_frame
 from uqfold.plots.saving import save
 from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import (
-    Row,
-    comparison_rows,
     drawable,
     panel_key,
     panel_text,
     reference_resolution,
+    response_text,
 )
 from uqfold.report.answers import NOT_JUDGED, answers_table, remarks, remarks_table
 from uqfold.report.methods_section import add_methods, add_reproduction
@@ -37,7 +37,7 @@ class _Figure(NamedTuple):
 
     name: str
     needs: str
-    draw: Callable[[pd.DataFrame], Any]
+    draw: Callable[[Any], Any]
     section: str
     anchor: str
     title: str
@@ -48,9 +48,8 @@ _FIGURES = (
     _Figure(
         "comparison", "pf", comparison, "Answers", "curves",
         "Failure probability, and every method against it",
-        "On top pf over the threshold; below it every method's pf over that of the reference, "
-        "under the threshold that it belongs to. Bars are the intervals that a method states "
-        "itself.",
+        "pf of every method over that of the reference, or else over the median of the methods, "
+        "under the threshold that it belongs to. Bars are the intervals that methods state.",
     ),
     _Figure(
         "error-against-evaluations", "error", error_against_evaluations, "Error against cost",
@@ -68,13 +67,13 @@ def figure_paths(folder: str | os.PathLike[str]) -> list[Path]:
     return [Path(folder) / f"{one.name}.{suffix}" for one in _FIGURES for suffix in _FORMATS]
 
 
-def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[Path]:
+def write_figures(frame: Answers, folder: str | os.PathLike[str]) -> list[Path]:
     """Write the figures of a comparison as PNG and SVG.
 
     Parameters
     ----------
     frame
-        What `uqfold.compare` returned, or a part of it.
+        What `uqfold.compare` returned, or a part of it; or results of methods.
     folder
         Where to; made if it is missing.
 
@@ -84,12 +83,13 @@ def write_figures(frame: pd.DataFrame, folder: str | os.PathLike[str]) -> list[P
         The files written. Without any reference there is no figure of errors, and without any
         answer at a finite threshold no figure at all.
     """
-    rows, directory = comparison_rows(frame), checked_path("folder", folder)
+    answers = answers_frame(frame, ("threshold", *(one.needs for one in _FIGURES)))
+    directory = checked_path("folder", folder)
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     for one in _FIGURES:
-        if drawable(rows, one.needs):
-            written += save(one.draw(frame), directory / one.name, _FORMATS)
+        if drawable(answers, one.needs):
+            written += save(one.draw(answers), directory / one.name, _FORMATS)
     return written
 
 
@@ -101,43 +101,43 @@ def comparison_page(frame: pd.DataFrame) -> Page:
     frame
         The comparison, with its header in ``attrs``.
     """
-    header, rows = frame.attrs[HEADER], comparison_rows(frame)
-    n = frame["label"].nunique()
+    header, n = frame.attrs[HEADER], frame["label"].nunique()
     page = Page(
         f"{header['problem']}: " + (f"{n} methods compared" if n > 1 else "one method"),
-        _lead(header, set(frame["label"])),
+        _lead(frame),
         kind="Comparison of reliability methods",
         imprint=f"Made by uqfold {uqfold.__version__} from records of "
         f"{header['date'] or 'unknown date'}. Numbers are the recorded ones; no model was run.",
     )
     add_summary(page, frame)
     for one in _FIGURES:
-        if drawable(rows, one.needs):
+        if drawable(frame, one.needs):
             page.section(one.section, name=one.anchor)
             page.figure(one.draw(frame), one.title, one.caption, name=one.name)
-    _add_answers(page, frame, rows)
-    add_methods(page, header, rows)
+    _add_answers(page, frame)
+    add_methods(page, frame)
     add_reproduction(page, header)
     return page
 
 
-def _lead(header: Mapping[str, Any], finished: set[str]) -> str:
-    unit = f" ({header['response_unit']})" if header["response_unit"] else ""
-    n = len(header["criteria"])
-    said = f"Every method was asked for the failure probability under the same {n} criteria"
-    said = said if n > 1 else "Every method was asked for one failure probability"
-    said += f"; response: {literal(header['response'] + unit)}"
+def _lead(frame: pd.DataFrame) -> str:
+    header, said = frame.attrs[HEADER], "Every method was asked for one failure probability"
+    if (n := len(header["criteria"])) > 1:
+        said = f"Every method was asked for the failure probability under the same {n} criteria"
+    if response := response_text(frame):
+        said += f"; response: {literal(response)}"
     if header["max_evals"] is not None:
         said += f"; at most {header['max_evals']:,} evaluations each"
     said += f"; seed {header['seed']}."
+    finished = set(frame["label"])
     missing = [one["label"] for one in header["methods"] if one["label"] not in finished]
     if missing:
         said += f" Interrupted: no rows of {literal(', '.join(missing))}."
     return said
 
 
-def _add_answers(page: Page, frame: pd.DataFrame, rows: Sequence[Row]) -> None:
-    unit = frame.attrs[HEADER]["response_unit"]
+def _add_answers(page: Page, frame: pd.DataFrame) -> None:
+    rows, unit = frame.to_dict("records"), frame.attrs[HEADER]["response_unit"]
     page.section("All answers", name="all-answers")
     page.table(
         answers_table(frame),

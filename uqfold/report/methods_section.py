@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from uqfold.plots.wording import Row
+from uqfold.plots.style import HEADER
+from uqfold.plots.wording import response_text
+from uqfold.problems.criterion import threshold_text
 from uqfold.report.page.builder import Page
 from uqfold.report.page.markup import literal
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _STRUCTURES = {
     "Series()": "all of which must work",
@@ -52,8 +57,9 @@ _POLICIES = {
 }
 
 
-def add_methods(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) -> None:
+def add_methods(page: Page, frame: pd.DataFrame) -> None:
     """Describe problem, question, every method with its settings, equations and references."""
+    header = frame.attrs[HEADER]
     methods = header["methods"]
     stated = dict.fromkeys(one for entry in methods for one in entry["theory"]["references"])
     cited = {reference: number for number, reference in enumerate(stated, start=1)}
@@ -63,9 +69,9 @@ def add_methods(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) -> N
         "been."
     )
     page.section("Problem", level=2, name="problem")
-    _add_problem(page, header)
+    _add_problem(page, frame)
     page.section("Question", level=2, name="question")
-    _add_question(page, header, rows)
+    _add_question(page, frame)
     for number, entry in enumerate(methods, start=1):
         title = f"{entry['label']}: {entry['title']}" if entry["title"] else entry["label"]
         page.section(title, level=2, name=f"method-{number}")
@@ -96,19 +102,22 @@ def add_reproduction(page: Page, header: Mapping[str, Any]) -> None:
     )
 
 
-def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
+def _add_problem(page: Page, frame: pd.DataFrame) -> None:
     import pandas as pd
 
+    header, response = frame.attrs[HEADER], response_text(frame)
     system = header["system"]
-    unit = f" ({header['response_unit']})" if header["response_unit"] else ""
     if system is None:
-        said = f"{header['problem']}; response: {header['response']}{unit}. "
+        said = f"{header['problem']}{f'; response: {response}' if response else ''}. "
         page.text(literal(said + "Its inputs are not recorded."))
         return
-    units = "one unit" if system["units"] == 1 else f"{system['units']} units"
-    must = _STRUCTURES.get(system["structure"], f"structure {system['structure']}")
-    said = f"{header['problem']}: {units}, {must}. "
-    said += f"The response of a unit is its {header['response']}{unit}. "
+    units = "one unit"
+    if system["units"] > 1:
+        must = _STRUCTURES.get(system["structure"], f"structure {system['structure']}")
+        units = f"{system['units']} units, {must}"
+    said = f"{header['problem']}: {units}. "
+    if response:
+        said += f"The response of a unit is its {response}. "
     if system["units"] > 1 and any(one["role"] == "shared" for one in system["inputs"]):
         said += _SHARED
     if offsets := system.get("offsets"):
@@ -122,16 +131,20 @@ def _add_problem(page: Page, header: Mapping[str, Any]) -> None:
         page.text(literal(f"The inputs are joined by a copula: {system['dependence']}."))
 
 
-def _add_question(page: Page, header: Mapping[str, Any], rows: Sequence[Row]) -> None:
-    unit = header["response_unit"]
-    taus = dict.fromkeys("none" if isnan(row["tau"]) else f"{row['tau']:g}" for row in rows)
-    missions = ", ".join(dict.fromkeys(row["missions"] for row in rows))
-    thresholds = ", ".join(dict.fromkeys(f"{row['threshold']:g}" for row in rows))
+def _add_question(page: Page, frame: pd.DataFrame) -> None:
+    header, unit = frame.attrs[HEADER], frame.attrs[HEADER]["response_unit"]
+    taus = dict.fromkeys("none" if isnan(tau) else f"{tau:g}" for tau in frame["tau"])
+    missions = ", ".join(dict.fromkeys(frame["missions"]))
+    written = [threshold_text(one).removeprefix("T = ") for one in frame["threshold"]]
+    thresholds = ", ".join(dict.fromkeys(written))
     facts = {"threshold T": literal(f"{thresholds} {unit}".strip())}
+    if thresholds == "g <= 0":
+        facts = {"failure": literal(thresholds)}
     if list(taus) != ["none"]:
         facts["synchronization threshold tau"] = literal(f"{', '.join(taus)} {unit}".strip())
     facts["missions m"] = literal(missions)
-    facts["criteria in all"] = str(len(header["criteria"]))
+    if len(header["criteria"]) > 1:
+        facts["criteria in all"] = str(len(header["criteria"]))
     if header["max_evals"] is not None:
         facts["budget of each method"] = f"{header['max_evals']:,} evaluations"
     if header["failed_runs"]:

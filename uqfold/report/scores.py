@@ -10,6 +10,8 @@ from uqfold.plots.wording import REFERENCE_STANDARD_ERRORS
 if TYPE_CHECKING:
     import pandas as pd
 
+CRITERION = ["threshold", "tau", "missions"]
+"""Columns that tell criteria apart."""
 RIGHT_WITHIN = 0.10
 """An answer is called right when its error is not larger, or when the reference cannot tell."""
 
@@ -64,6 +66,6 @@ def spreads(frame: pd.DataFrame) -> pd.Series:
     One number for each criterion that several methods answered with a positive pf and no doubt.
     """
     sure = frame[(frame["status"] != "doubtful") & (frame["pf"] > 0.0)]
-    pf = sure.groupby(["threshold", "tau", "missions"], dropna=False)["pf"]
+    pf = sure.groupby(CRITERION, dropna=False)["pf"]
     several = pf.count() > 1
     return (pf.max() / pf.min() - 1.0)[several]

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from uqfold.plots.telling import gid
-from uqfold.plots.wording import percent, seconds_text
+from uqfold.plots.wording import percent, probability, seconds_text
 from uqfold.report.answers import ERROR, STATUSES, UNCHECKED, WITHIN, methods_table
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import TONES, Tone, typeset
 from uqfold.report.page.markup import literal
-from uqfold.report.scores import RIGHT_WITHIN, method_scores, spreads
+from uqfold.report.scores import CRITERION, RIGHT_WITHIN, method_scores, spreads
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,7 +32,9 @@ def add_summary(page: Page, frame: pd.DataFrame) -> None:
             "reference are more."
         )
     else:
-        _add_agreement(page, spreads(frame))
+        _add_pf(page, frame)
+        if len(scores) > 1:
+            _add_agreement(page, spreads(frame))
     _add_cost(page, scores)
     _add_failures(page, scores)
     belongs = [gid(method=label) for label in scores.index]
@@ -42,6 +44,22 @@ def add_summary(page: Page, frame: pd.DataFrame) -> None:
     page.text(said, small=True)
 
 
+def _add_pf(page: Page, frame: pd.DataFrame) -> None:
+    """Say pf: converged answers go first, then those with the narrowest intervals."""
+    answered = frame[frame["pf"].notna()]
+    if answered.empty:
+        return
+    width = (answered["ci_high"] - answered["ci_low"]) / answered["pf"]
+    ordered = answered.assign(unsure=answered["status"] != "converged", width=width)
+    best = ordered.sort_values(["unsure", "width"], kind="stable").drop_duplicates(CRITERION)
+    ends = dict.fromkeys(probability(pf, 3) for pf in (best["pf"].min(), best["pf"].max()))
+    asked = f"over {len(best)} criteria, " if len(best) > 1 else ""
+    said = f"{asked}by {_listed(best['label'].unique())}."
+    page.card(
+        "How likely is failure?", f"pf = {typeset(' to '.join(ends))}", said[0].upper() + said[1:]
+    )
+
+
 def _add_right(page: Page, scores: pd.DataFrame) -> None:
     most, asked = scores["right"].max(), scores["referenced"].max()
     best = _listed(scores.sort_values("n_evals", kind="stable").query("right == @most").index)
@@ -49,7 +67,8 @@ def _add_right(page: Page, scores: pd.DataFrame) -> None:
         said = f"No answer is {WITHIN} of its reference."
         page.card("Who was right?", "Nobody", said, tone="bad")
         return
-    said = f"{WITHIN.capitalize()} on {most} of {asked} criteria."
+    asked_once = f"{WITHIN.capitalize()}."
+    said = asked_once if asked == 1 else f"{WITHIN.capitalize()} on {most} of {asked} criteria."
     page.card("Who was right?", best, said, tone="good" if most == asked else "warn")
 
 
@@ -59,7 +78,8 @@ def _add_agreement(page: Page, apart: pd.Series) -> None:
     answer = "Nothing to compare"
     if len(apart):
         answer = f"To within {typeset(percent(apart.max()))}"
-        note = f"Half of the criteria to within {typeset(percent(apart.median()))}. {note}"
+        if len(apart) > 1:
+            note = f"Half of the criteria to within {typeset(percent(apart.median()))}. {note}"
         tone = "good" if apart.max() <= RIGHT_WITHIN else "warn"
     page.card("Do the methods agree?", answer, note, tone=tone)
 

@@ -17,12 +17,12 @@ from uqfold.comparison.frames import checked_frame
 from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     Row,
-    comparison_rows,
     criterion_key,
     criterion_text,
     percent,
     probability,
     reference_resolution,
+    response_text,
     scientific,
 )
 from uqfold.report.answers import (
@@ -77,7 +77,7 @@ class ComparisonTable:
         """Render the table in the width of the console."""
         from rich.text import Text
 
-        header, rows = self.frame.attrs[HEADER], comparison_rows(self.frame)
+        header, rows = self.frame.attrs[HEADER], self.frame.to_dict("records")
         unit, width = header["response_unit"], options.max_width
         answers = answers_table(self.frame)
         if "remark" in answers.columns:
@@ -90,8 +90,8 @@ class ComparisonTable:
         budget = "no budget"
         if header["max_evals"] is not None:
             budget = f"at most {header['max_evals']:,} evaluations per method"
-        asked = f"{header['problem']}: {header['response']}{f' ({unit})' if unit else ''}"
-        yield Text(f"{asked}, seed {header['seed']}, {budget}", "bold", overflow="fold")
+        of = ", ".join(filter(None, [response_text(self.frame), f"seed {header['seed']}", budget]))
+        yield Text(f"{header['problem']}: {of}", "bold", overflow="fold")
         yield ""
         yield from text_lines(answers[:0], columns)
         criteria = [criterion_text(criterion_key(row), unit) for row in rows]
