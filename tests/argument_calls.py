@@ -255,7 +255,8 @@ def calls(folder: Path) -> dict[str, Call]:
     store = folder / "store.db"
 
     at = thing(problem)
-    of = {"problem": at, "criteria": optional(thing(criteria))}
+    asked = thing(criteria).also("zero", "minus one", "fraction", "infinity", "minus infinity")
+    of = {"problem": at, "criteria": optional(asked)}
     run = {
         "max_evals": optional(count(1_000)),
         "rng": optional(count(1)).also("zero"),
@@ -446,7 +447,7 @@ def calls(folder: Path) -> dict[str, Call]:
             {
                 "first": thing(pair),
                 "second": thing(pair.with_moments(standard_deviations={"c": 2.0})),
-                "criteria": optional(thing(criteria)),
+                "criteria": optional(asked),
                 "draws": count(4),
                 **run,
             },

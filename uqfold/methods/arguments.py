@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from numbers import Real
 from typing import TypeAlias
 
-from uqfold.checks import instance, or_none, refused, whole
+from uqfold.checks import instance, or_none, real, refused, whole
 from uqfold.evaluation import Evaluator
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion
@@ -70,7 +70,7 @@ def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
             )
         return problem.default_criteria
     if isinstance(criteria, float | Real):
-        criteria = Criterion(float(criteria))
+        criteria = Criterion(real("criteria", criteria, finite=False, what="threshold or a grid"))
     if isinstance(criteria, Criterion):
         return Criteria([criteria])
     return criteria if isinstance(criteria, Criteria) else Criteria(criteria)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import instance, refused, several
+from uqfold.checks import instance, mapping, refused, several
 from uqfold.comparison.columns import comparison_row, rows_to_frame
 from uqfold.methods.result import ReliabilityResult
 
@@ -29,16 +29,18 @@ def answers_frame(frame: Answers, needs: Sequence[str]) -> pd.DataFrame:
     """
     if hasattr(frame, "columns"):
         return checked("frame", frame, needs)
-    given: Any = [frame] if isinstance(frame, ReliabilityResult) else frame
-    if not isinstance(given, Mapping):
-        remedy = "give a DataFrame of uqfold.compare, or results of methods"
+    given = [frame] if isinstance(frame, ReliabilityResult) else frame
+    remedy = "give a DataFrame of uqfold.compare, or results of methods"
+    if isinstance(given, Mapping):
+        labelled = mapping("frame", given, instance, ReliabilityResult, remedy)
+    else:
         results = several("frame", given, instance, ReliabilityResult, remedy)
         names = [result.method for result in results]
         before = [names[:i].count(name) for i, name in enumerate(names)]
         labels = [f"{name} {k + 1}" if k else name for name, k in zip(names, before, strict=True)]
-        given = dict(zip(labels, results, strict=True))
+        labelled = dict(zip(labels, results, strict=True))
     rows = (
-        comparison_row("", label, row, None) for label, result in given.items() for row in result
+        comparison_row("", label, row, None) for label, result in labelled.items() for row in result
     )
     return checked("frame", rows_to_frame(rows), needs)
 
