@@ -1006,7 +1006,6 @@ def calls(folder: Path) -> dict[str, Call]:
             report.Page("some").write,
             {
                 "path": Kind(str(folder / "p.md"), folder / "p.md", frozenset({"text"})),
-                "format": choice("md").except_for("none"),
             },
         ),
         "report.literal": Call(report.literal, {"text": text()}),
@@ -1020,7 +1019,6 @@ def calls(folder: Path) -> dict[str, Call]:
             {
                 "source": thing(frame).also("text"),
                 "path": Kind(str(folder / "r.html"), folder / "r.html", frozenset({"text"})),
-                "format": choice("html").except_for("none"),
             },
         ),
         "testing.LinearNormalSystem": Call(

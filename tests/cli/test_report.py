@@ -35,7 +35,7 @@ def test_the_report_lies_beside_its_records(
 
 
 def test_markdown_brings_its_pictures(run_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("report", "run", "--format", "md") == 0
+    assert run("report", "run", "--out", "run/report.md") == 0
     out = capsys.readouterr().out
     pictures = sorted(path.name for path in (run_dir / "figures").iterdir())
     n = len(pictures)
@@ -47,16 +47,15 @@ def test_markdown_brings_its_pictures(run_dir: Path, capsys: pytest.CaptureFixtu
 def test_the_name_of_the_file_says_the_format(run_dir: Path) -> None:
     assert run("report", str(run_dir / "comparison.json"), "--out", "deep/toy.md") == 0
     assert Path("deep", "toy.md").read_text(encoding="utf-8").startswith("# toy: ")
-    assert run("report", "run", "--out", "page", "--format", "html") == 0
-    assert Path("page").read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert run("report", "run", "--out", "page.HTML") == 0
+    assert Path("page.HTML").read_text(encoding="utf-8").startswith("<!doctype html>")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (["nowhere"], "nowhere: No such file or directory"),
-        (["run", "--format", "pdf"], "format = 'pdf': choose from 'html', 'md'"),
-        (["run", "--out", "report.txt"], "suffix of path = 'txt': choose from 'html', 'md'"),
+        (["run", "--out", "report.txt"], "suffix of path = '.txt': choose from '.html', '.md'"),
         (["run/comparison.csv"], "comparison.csv is not a readable record"),
         ([], "RUN_DIR"),
     ],
@@ -74,4 +73,4 @@ def test_bad_arguments_are_refused(
 
 def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("report", "--help") == 0
-    assert "uqfold report uqfold-results/folding-wing --out wing.html" in capsys.readouterr().out
+    assert "uqfold report uqfold-results/folding-wing --out docs/wing.md" in capsys.readouterr().out

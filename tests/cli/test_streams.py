@@ -117,14 +117,15 @@ def test_a_disk_that_fills_up_on_the_way_is_told_and_the_table_shown(
 
 @pytest.mark.parametrize(
     ("out", "message"),
-    [("/dev/full", "/dev/full: No space left"), ("folder.html", "folder.html: Is a directory")],
+    [("full.html", "full.html: No space left"), ("folder.html", "folder.html: Is a directory")],
 )
 def test_a_report_that_cannot_be_written_is_told(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, out: str, message: str
 ) -> None:
     write_records(toy_frame(criteria(12.0)), tmp_path)
     (tmp_path / "folder.html").mkdir()
-    assert message in refused(capsys, f"report {tmp_path} --out {out} --format html")
+    (tmp_path / "full.html").symlink_to("/dev/full")
+    assert message in refused(capsys, f"report {tmp_path} --out {tmp_path / out}")
 
 
 def test_a_report_of_unreadable_records_is_refused(

@@ -212,7 +212,7 @@ def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
     (tmp_path / "comparison.json").write_text("{}", encoding="utf-8")
     with pytest.raises(RecordsError, match="not a readable record"):
         report_page(tmp_path)
-    with pytest.raises(ValueError, match="choose from 'html', 'md'"):
+    with pytest.raises(ValueError, match=r"choose from '\.html', '\.md'"):
         write_report(toy_frame(), tmp_path / "report.pdf")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -19,8 +18,7 @@ HTML file can be sent, printed, and read without a network; Markdown has its cha
 \b
 Examples:
   uqfold report uqfold-results/folding-wing
-  uqfold report uqfold-results/folding-wing --out wing.html
-  uqfold report uqfold-results/folding-wing --format md
+  uqfold report uqfold-results/folding-wing --out docs/wing.md
 """
 
 
@@ -30,19 +28,14 @@ def report_command(
     ],
     *,
     out: Annotated[
-        Path | None, option("FILE", "Where to write. Default: report.html in RUN_DIR.")
-    ] = None,
-    format: Annotated[
-        str | None, option("FORMAT", "html or md. Default: as FILE is called, or html.")
+        Path | None, option("FILE", "An .html or .md file. Default: report.html in RUN_DIR.")
     ] = None,
 ) -> None:
     """Write a report."""
-    from uqfold.report.page.builder import page_format
-    from uqfold.report.reports import STEM, write_report
+    from uqfold.report.reports import write_report
 
     if out is None:
-        form = usage(page_format, Path(), format or "html")
-        out = (run_dir if run_dir.is_dir() else run_dir.parent) / f"{STEM}.{form}"
-    report, *pictures = usage(partial(write_report, run_dir, out, format=format))
+        out = (run_dir if run_dir.is_dir() else run_dir.parent) / "report.html"
+    report, *pictures = usage(write_report, run_dir, out)
     beside = f", {len(pictures)} pictures in {pictures[0].parent.name}" if pictures else ""
     typer.echo(f"written: {shown_path(report)}{beside}")

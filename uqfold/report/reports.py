@@ -6,13 +6,13 @@ import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, get_args
+from typing import TYPE_CHECKING, TypeAlias
 
-from uqfold.checks import choice, instance, or_none, refused, several
+from uqfold.checks import instance, refused, several
 from uqfold.checks import path as checked_path
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.records import JSON_NAME, read_records
-from uqfold.report.page.builder import Format, Page
+from uqfold.report.page.builder import Page, page_path
 from uqfold.validation.kept import kept_records
 from uqfold.validation.record import CaseRecord, read_case_record, read_case_records
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Source: TypeAlias = "pd.DataFrame | Iterable[CaseRecord] | str | os.PathLike[str]"
-STEM = "report"
 MOST_ROWS = 10_000
 """Rows that a report on a comparison shows at most: a page of some 20 MB."""
 _VALIDATION = re.compile(r'"schema":\s*"uqfold-validation/')
@@ -72,9 +71,7 @@ def report_page(source: Source) -> Page:
     return validation_page(list(listed))
 
 
-def write_report(
-    source: Source, path: str | os.PathLike[str], *, format: str | None = None
-) -> list[Path]:
+def write_report(source: Source, path: str | os.PathLike[str]) -> list[Path]:
     """Write a report to one HTML file, or to Markdown with its pictures.
 
     No model is run, and nothing that the records name is imported.
@@ -84,9 +81,7 @@ def write_report(
     source
         As for `report_page`.
     path
-        Where to; its folder is made if it is missing.
-    format
-        ``html`` or ``md``; None: as the suffix of the path says.
+        Where to, a file that ends in ``.html`` or ``.md``; its folder is made if it is missing.
 
     Returns
     -------
@@ -101,9 +96,8 @@ def write_report(
     ...     [path.name for path in uqfold.report.write_report(frame, f"{folder}/report.html")]
     ['report.html']
     """
-    checked_path("path", path)
-    or_none("format", format, choice, get_args(Format))
-    return report_page(source).write(path, format=format)
+    page_path("path", path)
+    return report_page(source).write(path)
 
 
 def write_kept_report(cases: Path) -> list[Path]:

@@ -195,5 +195,5 @@ def test_what_is_no_frame_or_figure_is_refused() -> None:
         made.figure(3, "t")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="give one name for each of 2 rows"):
         made.table(pd.DataFrame({"a": [1, 2]}), "t", belongs=["method=a"])
-    with pytest.raises(ValueError, match="suffix of path = 'pdf': choose from"):
+    with pytest.raises(ValueError, match=r"suffix of path = '\.pdf': choose from"):
         made.write("report.pdf")

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from uqfold.checks import choice, flag, instance, mapping, refused, several, text, whole
 from uqfold.checks import path as checked_path
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Format: TypeAlias = Literal["html", "md"]
 
 
 class Page:
@@ -214,7 +212,7 @@ class Page:
             inner, self.blocks, self._folding = self.blocks, outer, was_folding
         self._add("details", title=title, blocks=inner)
 
-    def write(self, path: str | os.PathLike[str], *, format: str | None = None) -> list[Path]:
+    def write(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the page: Markdown with its pictures beside it, or one HTML file.
 
         Each file appears whole or not at all.
@@ -222,9 +220,7 @@ class Page:
         Parameters
         ----------
         path
-            Where to; its folder is made if it is missing.
-        format
-            ``html`` or ``md``; None: as the suffix of the path says.
+            Where to, a file that ends in ``.html`` or ``.md``; its folder is made if it is missing.
 
         Returns
         -------
@@ -234,14 +230,15 @@ class Page:
         from uqfold.plots.saving import save
         from uqfold.writing import write_text
 
-        file = checked_path("path", path)
-        asked = page_format(file, format)
+        file = page_path("path", path)
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_text(file, self.html() if asked == "html" else self.markdown())
+        if file.suffix.lower() == ".html":
+            write_text(file, self.html())
+            return [file]
+        write_text(file, self.markdown())
         written = [file]
-        if asked == "md":
-            for name, figure in self.pictures.items():
-                written += save(figure, file.parent / "figures" / name)
+        for name, figure in self.pictures.items():
+            written += save(figure, file.parent / "figures" / name)
         return written
 
     def markdown(self) -> str:
@@ -265,11 +262,11 @@ class Page:
         return free
 
 
-def page_format(path: Path, format: str | None = None) -> Format:
-    """Return the format of a page: the one asked for, or that of the file's suffix."""
-    asked = path.suffix.lower().lstrip(".") if format is None else format
-    name = "suffix of path" if format is None else "format"
-    return choice(name, asked, get_args(Format))
+def page_path(name: str, path: str | os.PathLike[str]) -> Path:
+    """Return the path of a page, whose suffix says what it is."""
+    file = checked_path(name, path)
+    choice(f"suffix of {name}", file.suffix.lower(), (".html", ".md"))
+    return file
 
 
 def _markdown(name: str, given: str, *, empty: bool = True) -> str:
