@@ -27,7 +27,7 @@ from matplotlib.figure import Figure
 
 import uqfold
 from uqfold import criteria, methods, plots
-from uqfold.comparison.benchmark import benchmark_summary
+from uqfold.comparison import benchmark_summary
 
 sys.path.append(str(Path(__file__).parents[1]))
 from runner import Run, finish, main, new_page

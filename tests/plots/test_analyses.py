@@ -7,7 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import uqfold
 from uqfold import plots
+from uqfold.analysis import chaos_sobol, pick_freeze
 
 SOBOL = pd.DataFrame(
     [
@@ -50,6 +52,19 @@ def test_sobol_indices_of_every_input_and_method() -> None:
     # two methods, main and total, of which c is too small to be drawn
     assert [np.isfinite(line.get_xdata()).sum() for line in axes.lines] == [2] * 4
     assert axes.get_xlim()[0] > 0.0
+
+
+def test_answers_of_an_analysis_are_drawn_as_they_are() -> None:
+    """Their frames had to be joined, and labelled by hand."""
+    problem = uqfold.problems.series()
+    surface = uqfold.methods.PolynomialChaos(runs=15, max_degree=2)
+    found = [chaos_sobol(problem, surface), pick_freeze(problem, samples=32)]
+    axes = plots.sobol(found)
+    assert legend(axes) == ["pce", "pick-freeze", "main", "total"]
+    one = plots.sobol(found[1])
+    assert legend(one) == ["pick-freeze", "main", "total"]
+    drawn = {round(x, 12) for line in one.lines for x in line.get_xdata() if math.isfinite(x)}
+    assert {round(row.index, 12) for row in found[1] if row.index > 1e-6} == drawn
 
 
 def test_derivatives_method_beside_method() -> None:

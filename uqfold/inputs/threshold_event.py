@@ -65,7 +65,7 @@ def taken_apart(event: Any) -> tuple[Exceedance | JoinedExceedances, Any, float]
     Raises
     ------
     TypeError, ValueError
-        If it is no event, or one of another kind.
+        If it is not an event, or one of another kind.
     """
     ot = openturns()
     joined = (ot.UnionEvent, ot.IntersectionEvent)

@@ -44,7 +44,7 @@ class ConditionalMonteCarloDetails:
     failing_draws
         Shared draws (n_criteria,) with at least one failure.
     partner_evals, partner_failed
-        Runs of the partner, and how many of them failed. They are no evaluations of the problem.
+        Runs of the partner, and how many of them failed. They do not count as evaluations.
     gain
         How many times the partner has divided the variance (n_criteria,); NaN where it was of no
         use, None where it was not to be asked.

@@ -46,7 +46,7 @@ class MultifidelityDetails:
     Attributes
     ----------
     partner_evals, partner_failed
-        Runs of the partner, and how many of them failed. They are no evaluations of the problem.
+        Runs of the partner, and how many of them failed. They do not count as evaluations.
     partner_systems, systems
         Systems judged by the partner, and those of them judged by the model, without the pilot.
     pilot_systems
@@ -106,7 +106,7 @@ class MultifidelityMonteCarlo(SequentialMethod):
 
     Notes
     -----
-    Runs of the partner are no evaluations: they are counted in `MultifidelityDetails`. They are
+    Runs of the partner are not evaluations: they are counted in `MultifidelityDetails`. They are
     made here or by the evaluator's executor, also in an ask-and-tell session, and not stored.
     The interval holds what the partner may hide where no system of the sample has shown it wrong;
     where that is the most of it, the status is ``doubtful``: the standard error alone is that of

@@ -6,12 +6,13 @@ interval, so that a reader sees whether they agree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from uqfold.checks import choice
+from uqfold.methods.tabular import Tabular
 from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below
 from uqfold.plots.rows import checked, having
 from uqfold.plots.style import COLUMN_INCHES, REFERENCE_LINE, SOFT_COLOR, figure_settings
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Analysis: TypeAlias = "pd.DataFrame | Tabular[Any] | Sequence[Tabular[Any]]"
+"""A frame, or answers of an analysis that print as tables."""
 REACH = 1.96
 """Standard errors in an interval on either side."""
 SMALLEST_INDEX = 1e-6
@@ -44,14 +47,14 @@ DESIGN_NEEDS = (
 
 
 @figure_settings()
-def sobol(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
+def sobol(table: Analysis, ax: Axes | None = None) -> Axes:
     """Draw main (filled) and total (hollow) Sobol' indices of every input, logarithmic.
 
     Parameters
     ----------
     table
-        What `chaos_sobol(...).to_frame()` or `pick_freeze(...).to_frame()` returned, or both, each
-        with a column ``label``. Indices below 1e-6 are not drawn.
+        What `chaos_sobol` or `pick_freeze` returned, a list of such answers, or a frame of them. A
+        column ``label`` names them, without it ``method`` does. Indices below 1e-6 are not drawn.
     ax
         Where to draw; None makes a figure.
 
@@ -59,10 +62,10 @@ def sobol(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = checked("table", table, ("label", "input", "order", "index", "ci_low", "ci_high"))
+    frame = _labelled(table, ("input", "order", "index", "ci_low", "ci_high"))
     low = frame["ci_low"].clip(lower=SMALLEST_INDEX)
     frame = frame.assign(
-        row=frame["input"], series=frame["label"], kind=frame["order"], low=low,
+        row=frame["input"], kind=frame["order"], low=low,
         value=frame["index"].where(frame["index"] > SMALLEST_INDEX),
         high=np.maximum(frame["ci_high"], low),
     )  # fmt: skip
@@ -74,14 +77,14 @@ def sobol(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
 
 
 @figure_settings()
-def derivatives(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
+def derivatives(table: Analysis, ax: Axes | None = None) -> Axes:
     """Draw relative changes of pf per standard deviation of every input, method beside method.
 
     Parameters
     ----------
     table
-        What `surface_derivatives(...).to_frame()` or `score_derivatives(...).to_frame()` returned,
-        or both: rows of one criterion. A column ``label`` names them, without it ``method`` does.
+        What `surface_derivatives` or `score_derivatives` returned for one criterion, a list of such
+        answers, or a frame of them. A column ``label`` names them, without it ``method`` does.
     ax
         Where to draw; None makes a figure.
 
@@ -89,11 +92,10 @@ def derivatives(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    frame = checked("table", table, DERIVATIVE_NEEDS)
+    frame = _labelled(table, DERIVATIVE_NEEDS)
     value, half = frame["per_std"], REACH * frame["per_std_error"]
     frame = frame.assign(
         row=frame["input"] + ", " + frame["moment"].map(MOMENTS),
-        series=frame["label" if "label" in frame else "method"],
         value=value, low=value - half, high=value + half,
     )  # fmt: skip
     axes = axes_or_new(ax, height=1.2 + 0.3 * frame["row"].nunique())
@@ -203,6 +205,20 @@ def design(table: pd.DataFrame) -> Figure:
     handles += [key("95 %", color=SOFT_COLOR), key("target", **REFERENCE_LINE)]
     legend_below(figure, handles)
     return figure
+
+
+def _labelled(table: Any, needs: Sequence[str]) -> pd.DataFrame:
+    """Return answers of an analysis as one frame, with the ``series`` that each row belongs to."""
+    import pandas as pd
+
+    answers = [table] if isinstance(table, Tabular) else table
+    if isinstance(answers, list | tuple) and {isinstance(one, Tabular) for one in answers} == {
+        True
+    }:
+        table = pd.concat([one.to_frame() for one in answers])
+    by = "label" if "label" in getattr(table, "columns", ()) else "method"
+    frame = checked("table", table, (by, *needs))
+    return frame.assign(series=frame[by])
 
 
 def case_text(

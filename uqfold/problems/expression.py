@@ -53,7 +53,7 @@ def read(text: str) -> Expression:
     Raises
     ------
     ValueError
-        If they are no expressions of names, or name a part twice or before its line.
+        If they are not expressions of names, or name a part twice or before its line.
     """
     if "#" in text:
         raise ValueError("no part may be a comment: leave out #")

@@ -74,7 +74,7 @@ class Structure:
     Raises
     ------
     ValueError
-        If the text is no such expression. There is no "not": a system that works because a unit
+        If the text is not such an expression. There is no "not": a system that works because a unit
         fails has no place here.
 
     Examples
@@ -119,7 +119,7 @@ class Structure:
         Raises
         ------
         ValueError
-            If the file is no such fault tree, has a gate that is not monotone (``not``, ``xor``,
+            If the file is not such a fault tree, has a gate that is not monotone (``not``, ``xor``,
             ...), uses a gate within itself, or leaves open which gate is meant.
         OSError
             If it cannot be read.
