@@ -211,10 +211,8 @@ def _labelled(table: Any, needs: Sequence[str]) -> pd.DataFrame:
     """Return answers of an analysis as one frame, with the ``series`` that each row belongs to."""
     import pandas as pd
 
-    answers = [table] if isinstance(table, Tabular) else table
-    if isinstance(answers, list | tuple) and {isinstance(one, Tabular) for one in answers} == {
-        True
-    }:
+    answers = table if isinstance(table, list | tuple) else [table]
+    if answers and all(isinstance(one, Tabular) for one in answers):
         table = pd.concat([one.to_frame() for one in answers])
     by = "label" if "label" in getattr(table, "columns", ()) else "method"
     frame = checked("table", table, (by, *needs))
