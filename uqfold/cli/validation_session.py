@@ -15,7 +15,7 @@ from uqfold.cli.invocation import Invocation
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
-from uqfold.report.table import text_lines
+from uqfold.report.table import joined, text_columns
 from uqfold.report.validation_page import validation_page
 from uqfold.report.verdicts import changed_words, counted, kept_text, print_verdicts
 from uqfold.validation.case import Case, Tier
@@ -116,7 +116,7 @@ def print_cases(cases: Sequence[Case]) -> None:
         }
         for case in cases
     )
-    for line in text_lines(listed):
+    for line in joined(text_columns(listed)):
         stdout_console(quiet=False).print(line, soft_wrap=True)
 
 

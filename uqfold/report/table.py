@@ -33,7 +33,7 @@ from uqfold.report.answers import (
     methods_table,
     remarks,
 )
-from uqfold.report.page.cells import TONES, Cell
+from uqfold.report.page.cells import TONES, Cell, is_numeric
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,11 +42,6 @@ if TYPE_CHECKING:
 
 STYLES = {"good": "green", "warn": "yellow", "bad": "bold red", "quiet": "bright_black"}
 """Tone -> style on a terminal."""
-_RIGHT = (
-    "pf", "error", "evaluations", "answered", "median error", "largest", "time", "limits kept",
-    "faults",
-)  # fmt: skip
-"""Columns of numbers, which end at the right."""
 _OF_ANSWERS = ("method", "pf", "interval", "error", "evaluations", "status")
 _OF_METHODS = (
     "whole run", "answered", "median error", "largest", "evaluations", "time", "",
@@ -86,27 +81,26 @@ class ComparisonTable:
                 Cell(f"{status} {number}".rstrip(), tone=TONES.get(status, ""))
                 for status, number in pairs
             ]
-        columns = fitting_columns(answers, _OF_ANSWERS, width, _MAY_GO)
+        columns = text_columns(answers, _OF_ANSWERS, width, _MAY_GO)
+        head, *lines = joined(columns)
         budget = "no budget"
         if header["max_evals"] is not None:
             budget = f"at most {header['max_evals']:,} evaluations per method"
         of = ", ".join(filter(None, [response_text(self.frame), f"seed {header['seed']}", budget]))
         yield Text(f"{header['problem']}: {of}", "bold", overflow="fold")
         yield ""
-        yield from text_lines(answers[:0], columns)
+        yield head
         criteria = [criterion_text(criterion_key(row), unit) for row in rows]
         for criterion in dict.fromkeys(criteria):
             members = [i for i, one in enumerate(criteria) if one == criterion]
             yield ""
             yield _group_head(criterion, rows[members[0]])
-            yield from text_lines(answers.iloc[members], columns, head=False)
+            yield from (lines[i] for i in members)
         titles = {entry["label"]: entry["title"] for entry in header["methods"]}
         methods = methods_table(self.frame).rename(columns={"method": "whole run"})
         methods[""] = methods["whole run"].map(titles)
         yield ""
-        yield from text_lines(
-            methods, fitting_columns(methods, _OF_METHODS, width, ("", "largest"))
-        )
+        yield from joined(text_columns(methods, _OF_METHODS, width, ("", "largest")))
         yield ""
         left_out = [one for one in _MAY_GO if one not in columns]
         for word, meaning in _legend(header, rows, left_out).items():
@@ -125,59 +119,52 @@ class ComparisonTable:
             yield _noted(f"{f'[{number}]':>6} ", words, width)
 
 
-def _text(cell: Any, name: str) -> Text:
-    from rich.text import Text
-
-    if not isinstance(cell, Cell):
-        cell = Cell(str(cell), tone=TONES.get(str(cell), ""))
-    return Text(cell.text, "bold" if name == "pf" else STYLES.get(cell.tone, ""))
-
-
-def fitting_columns(
-    frame: pd.DataFrame, names: Sequence[str], width: float, may_go: Sequence[str] = ()
-) -> dict[str, int]:
-    """Return the columns that there is room for, and how wide each is."""
-    widths = {
-        name: max([len(name), *(_text(cell, name).cell_len for cell in frame[name])])
-        for name in names
-        if name in frame.columns
-    }
-    for name in may_go:
-        if sum(widths.values()) + _GAP * len(widths) > width:
-            widths.pop(name, None)
-    return widths
-
-
-def text_lines(
-    frame: pd.DataFrame, columns: Mapping[str, int] | None = None, *, head: bool = True
-) -> Iterator[Text]:
-    """Return a frame of cells as lines of text.
+def text_columns(
+    frame: pd.DataFrame,
+    names: Sequence[str] = (),
+    width: float = math.inf,
+    may_go: Sequence[str] = (),
+) -> dict[str, list[Text]]:
+    """Return columns of cells as texts of one width each, with their heads; numbers at the right.
 
     Parameters
     ----------
     frame
         The cells, or what stands for them.
-    columns
-        Name -> width of the columns to show; None: all of them, as wide as their cells.
-    head
-        Whether the names of the columns come first.
+    names
+        The columns, where the frame has them; by default all.
+    width, may_go
+        Columns that are left out one after the other as long as there is no room for all.
     """
     from rich.text import Text
 
-    columns = columns or fitting_columns(frame, list(frame), math.inf)
-    rows = [
-        [_text(cell, name) for name, cell in zip(columns, row, strict=True)]
-        for row in frame[list(columns)].itertuples(index=False)
-    ]
-    if head:
-        rows.insert(0, [Text(name, "dim") for name in columns])
-    for row in rows:
-        for cell, (name, width) in zip(row, columns.items(), strict=True):
-            cell.align("right" if name in _RIGHT else "left", width)
-        line = Text(" " * _GAP).join([Text(), *row])
+    columns = {}
+    for name in [one for one in names if one in frame.columns] or frame.columns:
+        cells = [
+            one if isinstance(one, Cell) else Cell(str(one), tone=TONES.get(str(one), ""))
+            for one in frame[name]
+        ]
+        texts = [Text(cell.text, "bold" if name == "pf" else STYLES.get(cell.tone, ""))
+                 for cell in cells]  # fmt: skip
+        columns[name] = [Text(name, "dim"), *texts]
+        widest = max(text.cell_len for text in columns[name])
+        for text in columns[name]:
+            text.align("right" if is_numeric(cells) else "left", widest)
+    for name in may_go:
+        if sum(column[0].cell_len + _GAP for column in columns.values()) > width:
+            columns.pop(name, None)
+    return columns
+
+
+def joined(columns: Mapping[str, Sequence[Text]]) -> list[Text]:
+    """Return columns of texts as lines, the heads first."""
+    from rich.text import Text
+
+    lines = [Text(" " * _GAP).join([Text(), *row]) for row in zip(*columns.values(), strict=True)]
+    for line in lines:
         line.rstrip()
         line.overflow = "fold"
-        yield line
+    return lines
 
 
 def _noted(prefix: str, text: str, width: int, style: str = "") -> Text:

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from uqfold.plots.wording import seconds_text
 from uqfold.report.page.cells import TONES, Cell
-from uqfold.report.table import STYLES, text_lines
+from uqfold.report.table import STYLES, joined, text_columns
 from uqfold.validation.findings import Verdict
 from uqfold.validation.record import CaseRecord
 
@@ -40,7 +40,7 @@ def cases_table(records: Sequence[CaseRecord]) -> pd.DataFrame:
 
 def print_verdicts(console: Console, records: Sequence[CaseRecord]) -> None:
     """Print the verdict of every case, and why one does not hold."""
-    for line in text_lines(cases_table(records)[list(_PRINTED)]):
+    for line in joined(text_columns(cases_table(records), _PRINTED)):
         console.print(line)
     said = f"{counted(len(records), 'case')}: {_listed(record.verdict for record in records)}"
     for record in records:
