@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from uqfold.plots.panels import key, mark
-from uqfold.plots.rows import Compared, answers_frame
+from uqfold.plots.rows import Comparable, answers_frame
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -47,7 +47,7 @@ _ARROWS = {"down": 7, "up": 6}
 
 
 @figure_settings()
-def comparison(frame: Compared) -> Figure:
+def comparison(frame: Comparable) -> Figure:
     """Draw how methods compare: the curve of pf once, and the answers of every method against it.
 
     On top stands pf over the threshold, the reference with its band; below it one narrow row per

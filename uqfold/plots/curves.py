@@ -13,7 +13,7 @@ import numpy as np
 
 from uqfold.checks import choice, instance, or_none, refused, several, text
 from uqfold.plots.panels import key, legend_below, mark, percent_axis, stacked
-from uqfold.plots.rows import Compared, answers_frame, distinct, having
+from uqfold.plots.rows import Comparable, answers_frame, distinct, having
 from uqfold.plots.style import (
     BAND_COLOR,
     REFERENCE_LINE,
@@ -59,7 +59,7 @@ _SMALL: Any = {"markersize": 3.6, "markeredgewidth": 0.9}
 
 @figure_settings()
 def reliability_panels(
-    frame: Compared,
+    frame: Comparable,
     quantities: Sequence[Quantity] = ("reliability", "pf"),
     *,
     curves: str | None = None,

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from uqfold.plots.panels import axes_or_new, mark, percent_axis
-from uqfold.plots.rows import Compared
+from uqfold.plots.rows import Comparable
 from uqfold.plots.style import BAND_COLOR, SOFT_COLOR, figure_settings, method_styles
 from uqfold.plots.telling import gid, tell
 from uqfold.plots.wording import REFERENCE_STANDARD_ERRORS, answers_of, in_figure, percent
@@ -23,7 +23,7 @@ SMALLEST = 1e-16
 
 
 @figure_settings()
-def error_against_evaluations(frame: Compared, ax: Axes | None = None) -> Axes:
+def error_against_evaluations(frame: Comparable, ax: Axes | None = None) -> Axes:
     """Draw the error of Eq. (49) over the number of evaluations, both logarithmic.
 
     A small marker is one criterion; the large marker is their median. Errors in the grey band are

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-Compared: TypeAlias = (
+Comparable: TypeAlias = (
     "pd.DataFrame | ReliabilityResult | Iterable[ReliabilityResult] | "
     "Mapping[str, ReliabilityResult]"
 )
 """A frame of `uqfold.compare`, a result of a method, several, or label -> result."""
 
 
-def answers_frame(frame: Compared, needs: Sequence[str]) -> pd.DataFrame:
+def answers_frame(frame: Comparable, needs: Sequence[str]) -> pd.DataFrame:
     """Return the frame of a comparison, checked; results of methods become one without problem.
 
     Results that have no labels are called by their methods, further ones of a method by a number

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.plots.rows import Compared, answers_frame
+from uqfold.plots.rows import Comparable, answers_frame
 from uqfold.plots.style import HEADER
 from uqfold.problems.criterion import threshold_text
 
@@ -163,7 +163,7 @@ def drawable(frame: pd.DataFrame, column: str) -> bool:
     return bool((finite & frame[column].between(0.0, LARGEST)).any())
 
 
-def answers_of(frame: Compared) -> pd.DataFrame:
+def answers_of(frame: Comparable) -> pd.DataFrame:
     """Return the rows of a comparison that have a place in a figure, and their words.
 
     Rows at finite thresholds; numbers that have no place on an axis (infinite, negative, beyond

@@ -11,7 +11,7 @@ import uqfold
 from uqfold.checks import path as checked_path
 from uqfold.plots.comparison_figure import comparison
 from uqfold.plots.error_figure import error_against_evaluations
-from uqfold.plots.rows import Compared, answers_frame
+from uqfold.plots.rows import Comparable, answers_frame
 from uqfold.plots.saving import save
 from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
@@ -67,7 +67,7 @@ def figure_paths(folder: str | os.PathLike[str]) -> list[Path]:
     return [Path(folder) / f"{one.name}.{suffix}" for one in _FIGURES for suffix in _FORMATS]
 
 
-def write_figures(frame: Compared, folder: str | os.PathLike[str]) -> list[Path]:
+def write_figures(frame: Comparable, folder: str | os.PathLike[str]) -> list[Path]:
     """Write the figures of a comparison as PNG and SVG.
 
     Parameters
