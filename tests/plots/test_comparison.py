@@ -53,7 +53,7 @@ def drawn(axes: Axes, label: str, labels: list[str]) -> list[tuple[float, float]
 
 
 def test_fifteen_methods_have_a_look_of_their_own() -> None:
-    """Nine have a fixed one and six the next free; further ones still look like no other."""
+    """Most have a fixed one, others the next free; further ones still look like no other."""
     styles = list(plots.method_styles([*available(), *"abcdefghijklmnop"]).values())
     assert len(set(styles)) == len(styles)
     assert len({style.color for style in styles[:15]}) == 15

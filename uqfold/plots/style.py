@@ -103,11 +103,12 @@ def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     """
     names = several("labels", list(labels) if isinstance(labels, Mapping) else labels, text)
     number = len(FURTHER_STYLES)
-    further = (
+    looks = (
         MethodStyle(FURTHER_STYLES[i % number].color,
                     FURTHER_STYLES[(i + i // number) % number].marker)
         for i in count()
     )  # fmt: skip
+    further = (look for look in looks if look not in _FIXED.values())
     return {name: _FIXED.get(name) or next(further) for name in names}
 
 
