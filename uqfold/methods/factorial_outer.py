@@ -29,8 +29,8 @@ _BESIDE = "the design without two nodes more along each shared input"
 _FEWER = "a third fewer nodes over the shared inputs"
 _SETTLED = 0.3
 """Share of the tolerance that two rules over the polynomial may differ by."""
-MOST_NODES = 400
-"""Nodes of the finest rule over all shared inputs together."""
+MOST_NODES, MOST_OF_INPUT = 400, 250
+"""Nodes of the finest rule over all shared inputs together, and over one of them."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def _settled(
     unsettled = np.zeros_like(found)
     while counts:
         finer = tuple(n + max(MORE, n // 2) for n in counts)
-        if math.prod(finer) > MOST_NODES:
+        if math.prod(finer) > MOST_NODES or max(finer) > MOST_OF_INPUT:
             break
         counts, before = finer, found
         found = answer(_by_rule(runs, counts))

@@ -31,7 +31,7 @@ MOST_POINTS = 2_000_000
 """Values of the polynomial held at once."""
 _FINE = 13
 """Nodes over an individual input that integrate fourth powers of polynomials of degree 6."""
-_REACH, _FURTHER = 9.0, 0.01
+_REACH, _FURTHER = 12.0, 0.01
 """How far equal steps go, in standard deviations, and how much further by each node more."""
 _FEW_CARRY = 1.7
 """Largest weight of a rule, over that of a normal variable, from which few nodes carry it."""

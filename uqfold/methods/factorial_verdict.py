@@ -58,7 +58,8 @@ def judged(
     pf, reliability = estimate.pf, reliability_of(estimate)
     name, smaller = ("reliability", reliability) if reliability < pf else ("pf", pf)
     amounts = np.nan_to_num(differences.amounts[:, row], nan=0.0, posinf=math.inf)
-    stated = math.hypot(_CAUTION * float(np.sqrt(amounts @ amounts)), _LEAST * smaller)
+    # squares of the smallest probabilities are zero to the computer
+    stated = math.hypot(*(_CAUTION * amounts).tolist(), _LEAST * smaller)
     doubts = []
     if smaller == 0.0:
         does = "fails" if name == "pf" else "works"
