@@ -10,7 +10,7 @@ from uqfold.methods.kriging import MAX_RUNS
 from uqfold.problems import four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
-from uqfold.system.surface_layout import surface_failures
+from uqfold.system.surface_layout import laid_out
 from uqfold.testing.counting import RowCount
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.typing import FloatArray
@@ -49,7 +49,8 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say(method: Reliability
     inputs = {"V": normal(0.0, 1.0)}, {"A": normal(0.0, 1.0), "B": normal(0.0, 1.0)}
     problem = Problem(response, shared=inputs[0], individual=inputs[1], units=2)
     asked = criteria([1.5, 3.0])
-    exact = np.array([f.pf for f in surface_failures(response, 3, 1, 2, list(asked))])
+    system = laid_out(response, 3, 1, 2, asked)
+    exact = np.array([found.pf for found in system.failures(response, asked)])
     rows = [method.estimate(problem, asked, max_evals=40, rng=seed) for seed in range(10)]
     inside = np.array(
         [[r.ci_low <= e <= r.ci_high for r, e in zip(row, exact, strict=True)] for row in rows]
@@ -286,3 +287,15 @@ def test_integration_over_a_right_surface_errs_by_no_more_than_stated(
     assert row.status == "converged"
     assert abs(row.pf - pf) <= 3.0 * row.std_error
     assert row.pf == pytest.approx(pf, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_a_far_threshold_leaves_the_surfaces_rows_beside_it_alone() -> None:
+    """No rule resolves 20 units at 37 deviations: it made every row beside it doubtful."""
+    problem = LinearNormalSystem(units=20, mean=0.0, shared_std=0.6, individual_std=0.8).problem()
+    method = PolynomialChaos(runs=20)
+    alone = method.estimate(problem, criteria(2.5), rng=1)[0]
+    far, beside = method.estimate(problem, criteria([30.0, 2.5]), rng=1)
+    assert (alone.status, beside.status, far.status) == ("converged", "converged", "doubtful")
+    assert "too abruptly" in far.message
+    assert (beside.pf, beside.std_error) == (alone.pf, alone.std_error)

@@ -1,6 +1,9 @@
 """Integration over a cheap surface, with the true response as the surface."""
 
 import math
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,11 +15,11 @@ from uqfold.problems import four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
 from uqfold.problems.structure import Parallel
-from uqfold.system.conditional import system_failures
+from uqfold.system.conditional import SystemProbability, system_failures
 from uqfold.system.lines import FINITE, MISSING, NEVER
 from uqfold.system.structure import SystemUnits, diagram
-from uqfold.system.surface import reliability_indices
-from uqfold.system.surface_layout import laid_out, surface_failures
+from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_plan import plan_surface
 from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray, IntArray
@@ -24,6 +27,12 @@ from uqfold.typing import FloatArray, IntArray
 
 def true_surface(problem: Problem) -> Surface:
     return lambda u: problem.model(problem.inputs.from_standard_normal(u))
+
+
+def surface_failures(
+    surface: Surface, dimension: int, n_shared: int, units: int, asked: Sequence[Criterion]
+) -> list[SystemProbability]:
+    return laid_out(surface, dimension, n_shared, units, asked).failures(surface, asked)
 
 
 @pytest.mark.parametrize("build", [series, four_bar, lambda: four_bar("crossed")])
@@ -249,3 +258,30 @@ def test_shared_inputs_further_out_than_all_nodes_are_part_of_the_error(
     found = system.indices(surface, criteria(threshold))
     assert (error < 1e-2) == honest
     assert (abs(found[0] - exact) < 1e-3) == honest
+
+
+def test_criteria_that_no_rule_resolves_are_laid_out_apart() -> None:
+    """One far out made all rows beside it doubtful; what is resolved here follows from the index."""
+    index = np.array([30.0, 3.0, -1.0, 2.5, -9.0, 7.9])
+    laid: list[list[int]] = []
+
+    def lay(rows: Sequence[int]) -> SurfaceSystem:
+        laid.append(list(rows))
+        resolved = bool((np.abs(index[laid[-1]]) < 8.0).all())
+        return cast(SurfaceSystem, SimpleNamespace(resolved=resolved))
+
+    def apart(count: int) -> list[tuple[list[int], bool]]:
+        parts = laid_out_apart(lay, lambda _: index[:count], count)
+        return [(rows, system.resolved) for rows, system in parts]
+
+    assert apart(6) == [([1, 2, 3, 5], True), ([0, 4], False)]
+    # the whole, the nearest one, and what halving tries
+    assert len(laid) <= 2 + 3
+    assert apart(1) == [([0], False)]
+    index[2] = index[1] = index[3] = 8.5
+    # where the nearest is not resolved either, the surface is at fault
+    laid.clear()
+    assert apart(4) == [([0, 1, 2, 3], False)]
+    assert len(laid) == 2
+    index[:4] = 1.0
+    assert apart(4) == [([0, 1, 2, 3], True)]

@@ -28,8 +28,8 @@ from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface import reliability_indices
-from uqfold.system.surface_layout import laid_out
+from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray, IntArray
 
@@ -239,6 +239,7 @@ def _answered(
     stated_noise: float | None,
     stepped: bool,
 ) -> SurfaceAnswers:
+    """Answer the criteria, apart from the others those for which no rule is fine enough."""
     problem, units = task.problem, SystemUnits.of(task.problem)
     complete = all(one.runs.complete for one in fitted)
     means = [one.surface.mean for one in fitted]
@@ -252,14 +253,59 @@ def _answered(
                 f"{one.validated.rms:.2g}, {one.validated.ratio:.2g} times what the surface states"
             )
         doubts += [problem.kinds.said(kind, problem.unit_names) + doubt for doubt in own]
-    system = laid_out(
-        means, dimensions, problem.kinds.n_shared, units, task.criteria, max_points,
-        complete=complete, trusted=not doubts,
-    )  # fmt: skip
+
+    def lay(rows: Sequence[int]) -> SurfaceSystem:
+        asked = [task.criteria[row] for row in rows]
+        return laid_out(
+            means, dimensions, problem.kinds.n_shared, units, asked, max_points,
+            complete=complete, trusted=not doubts,
+        )  # fmt: skip
+
+    def indices(system: SurfaceSystem) -> FloatArray:
+        return replace(system, rules=system.coarse).indices(means, task.criteria)
+
+    count = len(task.criteria)
+    everything = list(range(count))
+    parts = [(everything, lay(everything))] if doubts else laid_out_apart(lay, indices, count)
+    fitted = [one.with_common_powers() for one in fitted]
+    others = _others(fitted, rng)
+    errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
+    found: dict[int, Estimate] = {}
+    for rows, system in parts:
+        part = replace(task, criteria=tuple(task.criteria[row] for row in rows))
+        floor = None if beta_std is None else beta_std[rows]
+        some, parts_of_error = _answers_of(
+            part, fitted, others, system, doubts, target_cov, floor, stepped
+        )
+        found.update(zip(rows, some, strict=True))
+        for name in ("training", "integration", "sampling"):
+            getattr(errors, name)[rows] = getattr(parts_of_error, name)
+    estimates = [found[row] for row in everything]
+    shortfall = max(
+        *(_missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None),
+        0.0,
+        *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
+    )
+    return SurfaceAnswers(estimates, errors, shortfall)
+
+
+def _answers_of(
+    task: Task,
+    fitted: Sequence[FittedKind],
+    others: Sequence[Surface],
+    system: SurfaceSystem,
+    doubts: list[str],
+    target_cov: float,
+    beta_std: FloatArray | None,
+    stepped: bool,
+) -> tuple[list[Estimate], ErrorParts]:
+    """Answer criteria that are laid out together, and tell where their errors come from."""
+    units = SystemUnits.of(task.problem)
     if not doubts and not system.resolved:
         doubts = ["the surface changes too abruptly to be integrated accurately"]
+    complete = all(one.runs.complete for one in fitted)
+    means = [one.surface.mean for one in fitted]
     outcomes = None if complete else [one.runs.outcomes for one in fitted]
-    fitted = [one.with_common_powers() for one in fitted]
     noise = [one.noise for one in fitted]
 
     responses = system.responses(means, outcomes, noise)
@@ -270,7 +316,7 @@ def _answered(
         if _scatter(responses.whole[kind], system.weights) <= _CLEAR * rms:
             blur = max(blur, rms)
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
-    drawn = system.coarse_responses(means, _others(fitted, rng), outcomes, noise)
+    drawn = system.coarse_responses(means, others, outcomes, noise)
 
     def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
         changes = system.changes_given(drawn, criteria)
@@ -328,13 +374,7 @@ def _answered(
         runs = [one.runs for one in fitted]
         return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
 
-    estimates = estimates_by_blocks(count, answers)
-    shortfall = max(
-        *(_missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None),
-        0.0,
-        *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
-    )
-    return SurfaceAnswers(estimates, errors, shortfall)
+    return estimates_by_blocks(count, answers), errors
 
 
 def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surface]:

@@ -161,19 +161,3 @@ def cumulants(moments: Moments) -> FloatArray:
             (moments.kurtosis - 3.0) * variance**2,
         ]
     )
-
-
-def cumulants_from_raw_moments(raw: ArrayLike) -> FloatArray:
-    """First four cumulants (4, ...) from raw moments mu'_1..mu'_4 (4, ...), Eq. (33) as printed.
-
-    Loses digits when the mean is large against the scatter; `cumulants` does not.
-    """
-    m1, m2, m3, m4 = np.asarray(raw, dtype=float)
-    return np.stack(
-        [
-            m1,
-            m2 - m1**2,
-            m3 - 3 * m2 * m1 + 2 * m1**3,
-            m4 - 4 * m3 * m1 - 3 * m2**2 + 12 * m2 * m1**2 - 6 * m1**4,
-        ]
-    )

@@ -105,13 +105,6 @@ class SaddlepointDistribution:
     def __post_init__(self) -> None:
         check_moments(self.mean, self.std, self.skewness, self.kurtosis)
 
-    @classmethod
-    def from_cumulants(cls, k1: float, k2: float, k3: float, k4: float) -> SaddlepointDistribution:
-        """From the cumulants of Eq. (33)."""
-        if not k2 > 0:
-            return cls(k1, math.sqrt(k2), 0.0, 3.0)
-        return cls(k1, math.sqrt(k2), k3 / k2**1.5, 3.0 + k4 / k2**2)
-
     @property
     def support(self) -> tuple[float, float]:
         """The whole line; the mean alone for std = 0."""

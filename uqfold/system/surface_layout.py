@@ -7,13 +7,12 @@ lines and rays are tried, and what errs less by its own measure is taken.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from uqfold.problems.criterion import Criterion
-from uqfold.system.conditional import SystemProbability
 from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import Compared
 from uqfold.system.sampled_rule import SAMPLED_STATIONS
@@ -118,17 +117,45 @@ def laid_out(
     return _Choice(each, some, plans, asked, max_points, drawn).between(quadrature)
 
 
-def surface_failures(
-    surface: Surface,
-    dimension: int,
-    n_shared: int,
-    units: SystemUnits | int,
-    criteria: Sequence[Criterion],
-    max_points: int = MAX_POINTS,
-) -> list[SystemProbability]:
-    """Failure probability of units whose response is a surface; see `laid_out`."""
-    system = laid_out(surface, dimension, n_shared, units, criteria, max_points)
-    return system.failures(surface, criteria)
+def laid_out_apart(
+    lay: Callable[[Sequence[int]], SurfaceSystem],
+    indices: Callable[[SurfaceSystem], FloatArray],
+    count: int,
+) -> list[tuple[list[int], SurfaceSystem]]:
+    """Lay out criteria together, or those apart that no rule resolves.
+
+    What one criterion far out asks for would be too much for the points of all. The further out,
+    the harder: the nearest ones, as many as a rule resolves, have one of their own.
+
+    Parameters
+    ----------
+    lay
+        Lays out some of the criteria, by their numbers.
+    indices
+        Reliability indices (count,) of all of them.
+    count
+        How many they are.
+
+    Returns
+    -------
+    list[tuple[list[int], SurfaceSystem]]
+        Numbers of criteria, and where the surfaces are evaluated for them.
+    """
+    whole = lay(range(count))
+    if whole.resolved or count == 1:
+        return [(list(range(count)), whole)]
+    order = np.argsort(np.abs(indices(whole)), kind="stable").tolist()
+    resolved, unresolved, best = 1, count, lay(order[:1])
+    if not best.resolved:
+        return [(list(range(count)), whole)]
+    while unresolved - resolved > 1:
+        middle = (resolved + unresolved) // 2
+        tried = lay(order[:middle])
+        if tried.resolved:
+            resolved, best = middle, tried
+        else:
+            unresolved = middle
+    return [(sorted(order[:resolved]), best), (sorted(order[resolved:]), whole)]
 
 
 def _some(criteria: Sequence[Criterion]) -> list[Criterion]:
