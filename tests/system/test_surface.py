@@ -261,7 +261,7 @@ def test_shared_inputs_further_out_than_all_nodes_are_part_of_the_error(
 
 
 def test_criteria_that_no_rule_resolves_are_laid_out_apart() -> None:
-    """One far out made all rows beside it doubtful; what is resolved here follows from the index."""
+    """One far out made all beside it doubtful; what is resolved here follows from the index."""
     index = np.array([30.0, 3.0, -1.0, 2.5, -9.0, 7.9])
     laid: list[list[int]] = []
 
