@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from uqfold.problems import catalogue, four_branch
+from uqfold.problems import catalogue
 from uqfold.problems.catalogue import Entry
 from uqfold.report.page.builder import Page
 
@@ -88,12 +88,7 @@ def wrong(entries: dict[str, Entry]) -> list[dict[str, str]]:
 def literature(entries: dict[str, Entry]) -> pd.DataFrame:
     """Return the reports beside our references."""
     table = catalogue.literature()
-    references = four_branch().references
-    assert references is not None
-    known = {name: one.pf for name, one in entries.items()} | {
-        "four-branch": next(iter(references)).pf
-    }
-    off = [f"{100.0 * (one.pf / known[one.problem] - 1.0):+.2g} %" for one in table.itertuples()]
+    ours = table.problem.map({name: one.pf for name, one in entries.items()})
     return pd.DataFrame(
         {
             "problem": table.problem,
@@ -102,7 +97,7 @@ def literature(entries: dict[str, Entry]) -> pd.DataFrame:
             "pf": [f"{pf:.4g}" for pf in table.pf],
             "cov": ["" if pd.isna(cov) else f"{cov:.3g}" for cov in table["cov"]],
             "source": table.source,
-            "off": off,
+            "off": [f"{100.0 * off:+.2g} %" for off in table.pf / ours - 1.0],
         }
     )
 

@@ -31,6 +31,15 @@ def normal_pdf(u: FloatArray) -> FloatArray:
     return np.asarray(np.exp(-0.5 * u * u) / math.sqrt(2.0 * math.pi))
 
 
+def refined(by_rule: Callable[[int], float], coarse: int, fine: int) -> tuple[float, float]:
+    """Return what a rule finds with the finer of two numbers of nodes, and its error.
+
+    The error is the difference between the two, plus rounding.
+    """
+    pf = by_rule(fine)
+    return pf, abs(pf - by_rule(coarse)) + 1e-12 * pf
+
+
 def over_normal(tail: Callable[[float], float], *kinks: float) -> tuple[float, float]:
     """Return the mean of a function of one standard-normal variable, and its error.
 

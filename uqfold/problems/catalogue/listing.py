@@ -61,7 +61,7 @@ def problem(name: str) -> Problem:
 
 
 def literature() -> pd.DataFrame:
-    """Return what methods are reported to give on problems of the catalogue and of the package.
+    """Return what methods are reported to give on limit states of the catalogue.
 
     Returns
     -------

@@ -13,8 +13,8 @@ GEYER = (
     "Geyer S, Papaioannou I, Straub D (2019), Cross entropy-based importance sampling using "
     "Gaussian densities revisited, Struct. Saf. 76, 15-27"
 )
-OPENTURNS = "OpenTURNS (Airbus, EDF, IMACS, ONERA, Phimeca, 2024)"
-ERA = "ERA-Software (Engineering Risk Analysis group, TU Munich, 2023)"
+OPENTURNS = "OpenTURNS, as of 2026"
+ERA = "ERA-Software (Engineering Risk Analysis Group, TU Munich), version 2023-12"
 LIU_DER_KIUREGHIAN = (
     "Liu PL, Der Kiureghian A (1991), Optimization algorithms for structural reliability, "
     "Struct. Saf. 9, 161-177"
@@ -23,4 +23,4 @@ LI_2018 = (
     "Li X, Gong C, Gu L, Gao W, Jing Z, Su H (2018), A sequential surrogate method for reliability "
     "analysis based on radial basis function, Struct. Saf. 73, 42-53"
 )
-RARE_EVENT_ESTIMATION = "rareeventestimation (K. Althaus, 2023)"
+RARE_EVENT_ESTIMATION = "rareeventestimation, as of 2024"

@@ -8,14 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    normal_cdf,
-    over_normal,
-)
+from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    LI_2018,
-)
+from uqfold.problems.catalogue.sources import LI_2018
 from uqfold.typing import FloatArray
 
 RADIUS, THICKNESS, MOMENT = 0.3377, 0.03377, 3.0

@@ -14,10 +14,7 @@ import numpy as np
 from scipy.special import betainc, ndtr
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    normal_pdf,
-    panel_rule,
-)
+from uqfold.problems.catalogue.integrals import normal_pdf, panel_rule, refined
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 
@@ -40,8 +37,7 @@ def inputs() -> dict[str, Any]:
 
 def reference() -> tuple[float, float]:
     """Return pf and its error."""
-    coarse, fine = (_by_rule(panels) for panels in (40, 80))
-    return fine, abs(fine - coarse) + 1e-12 * fine
+    return refined(_by_rule, 40, 80)
 
 
 def _by_rule(panels: int) -> float:

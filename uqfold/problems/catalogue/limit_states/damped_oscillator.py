@@ -11,14 +11,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_of,
-    lognormal_parameters,
-)
-from uqfold.problems.catalogue.integrals import (
-    over_normals,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_of, lognormal_parameters
+from uqfold.problems.catalogue.integrals import over_normals
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 

@@ -11,14 +11,9 @@ import math
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    closed,
-    normal_cdf,
-)
+from uqfold.problems.catalogue.integrals import closed, normal_cdf
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 

@@ -13,13 +13,8 @@ import numpy as np
 from scipy.special import betaincinv, ndtr
 
 from uqfold.inputs.assembly import normal_copula
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_parameters,
-)
-from uqfold.problems.catalogue.integrals import (
-    over_normals,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_parameters
+from uqfold.problems.catalogue.integrals import over_normals
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import OPENTURNS
 from uqfold.typing import FloatArray

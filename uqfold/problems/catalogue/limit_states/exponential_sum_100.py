@@ -10,13 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.special import gammaincc
 
-from uqfold.problems.catalogue.integrals import (
-    closed,
-)
+from uqfold.problems.catalogue.integrals import closed
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    ERA,
-)
+from uqfold.problems.catalogue.sources import ERA
 from uqfold.typing import FloatArray
 
 LEVEL = 140.0

@@ -8,9 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gammaincc
 
-from uqfold.problems.catalogue.integrals import (
-    closed,
-)
+from uqfold.problems.catalogue.integrals import closed
 from uqfold.problems.catalogue.limit_states.exponential_sum_100 import inputs
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray

@@ -11,14 +11,9 @@ import math
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    normal_cdf,
-    over_normal,
-)
+from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    ERA,
-)
+from uqfold.problems.catalogue.sources import ERA
 from uqfold.typing import FloatArray
 
 

@@ -8,16 +8,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gammainc, log_ndtr
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    closed,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import closed
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    RARE_EVENT_ESTIMATION,
-)
+from uqfold.problems.catalogue.sources import RARE_EVENT_ESTIMATION
 from uqfold.typing import FloatArray
 
 LEVEL = 27.8623

@@ -9,13 +9,8 @@ import math
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    normal_cdf,
-    over_normal,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 

@@ -11,9 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from uqfold.problems.catalogue.integrals import (
-    closed,
-)
+from uqfold.problems.catalogue.integrals import closed
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 

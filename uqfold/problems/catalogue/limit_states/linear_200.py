@@ -6,17 +6,10 @@ import math
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    closed,
-    normal_cdf,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import closed, normal_cdf
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    RARE_EVENT_ESTIMATION,
-)
+from uqfold.problems.catalogue.sources import RARE_EVENT_ESTIMATION
 from uqfold.typing import FloatArray
 
 
@@ -31,9 +24,8 @@ def reference() -> tuple[float, float]:
 
 
 ENTRY = Entry(
-    source="UncertaintyQuantification.jl (A. Gray, J. Behrensdorf, 2023), benchmark of subset "
-    f"simulation in high dimension; {RARE_EVENT_ESTIMATION}, linear problem (d = 200), 3.5 "
-    "deviations away",
+    source="UncertaintyQuantification.jl, as of 2025, benchmark of subset simulation in high "
+    f"dimension; {RARE_EVENT_ESTIMATION}, linear problem (d = 200), there 3.5 deviations away",
     kinds=("high dimension", "rare"),
     limit_state=limit_state,
     inputs=lambda: standard_normals(200),

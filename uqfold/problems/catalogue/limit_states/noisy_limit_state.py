@@ -11,18 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_of,
-)
-from uqfold.problems.catalogue.integrals import (
-    of_sum,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_of
+from uqfold.problems.catalogue.integrals import of_sum
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    LIU_DER_KIUREGHIAN,
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import LIU_DER_KIUREGHIAN, WAARTS
 from uqfold.typing import FloatArray
 
 FACTORS = (1.0, 2.0, 2.0, 1.0, -5.0, -5.0)

@@ -14,14 +14,9 @@ import numpy as np
 from scipy.special import ndtr
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    over_normals,
-)
+from uqfold.problems.catalogue.integrals import over_normals
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    ECHARD_2011,
-    RARE_EVENT_ESTIMATION,
-)
+from uqfold.problems.catalogue.sources import ECHARD_2011, RARE_EVENT_ESTIMATION
 from uqfold.typing import FloatArray
 
 
@@ -60,7 +55,7 @@ def reference() -> tuple[float, float]:
 
 
 ENTRY = Entry(
-    source=f"{ECHARD_2011}, example 3, with the load of {RARE_EVENT_ESTIMATION}",
+    source=f"{ECHARD_2011}, section 4, example 3, with the load of {RARE_EVENT_ESTIMATION}",
     kinds=("design points",),
     limit_state=limit_state,
     inputs=inputs,

@@ -10,14 +10,10 @@ import math
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import panel_rule
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import panel_rule, refined
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 WEIGHTS = 1.0 / (1.0 + np.arange(1, 11) / 10.0)
@@ -39,8 +35,7 @@ def reference() -> tuple[float, float]:
         size = np.prod((1.0 + scaled**2) ** 0.25, axis=0)
         return 0.5 + float(weight @ (np.sin(angle) / (t * size))) / math.pi
 
-    coarse, fine = by_rule(1000), by_rule(2000)
-    return fine, abs(fine - coarse) + 1e-13
+    return refined(by_rule, 1000, 2000)
 
 
 ENTRY = Entry(

@@ -9,12 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    panel_rule,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import panel_rule, refined
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import OPENTURNS
 from uqfold.typing import FloatArray
@@ -28,8 +24,7 @@ def limit_state(x: FloatArray) -> FloatArray:
 
 def reference() -> tuple[float, float]:
     """Return pf and its error."""
-    coarse, fine = (_by_rule(panels) for panels in (400, 800))
-    return fine, abs(fine - coarse) + 1e-12 * fine
+    return refined(_by_rule, 400, 800)
 
 
 def _by_rule(panels: int) -> float:

@@ -8,14 +8,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import normal_pdf, panel_rule
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import normal_pdf, panel_rule, refined
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 
@@ -27,8 +23,7 @@ def limit_state(x: FloatArray) -> FloatArray:
 
 def reference() -> tuple[float, float]:
     """Return pf and its error."""
-    coarse, fine = (_by_rule(panels) for panels in (100, 200))
-    return fine, abs(fine - coarse) + 1e-13 * fine
+    return refined(_by_rule, 100, 200)
 
 
 def _by_rule(panels: int) -> float:

@@ -12,13 +12,8 @@ from typing import Any
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_parameters,
-)
-from uqfold.problems.catalogue.integrals import (
-    over_normals,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_parameters
+from uqfold.problems.catalogue.integrals import over_normals
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 

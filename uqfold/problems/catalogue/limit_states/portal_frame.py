@@ -14,10 +14,7 @@ from scipy.special import ndtr
 
 from uqfold.inputs import normal
 from uqfold.inputs.assembly import normal_copula
-from uqfold.problems.catalogue.integrals import (
-    normal_pdf,
-    panel_rule,
-)
+from uqfold.problems.catalogue.integrals import normal_pdf, panel_rule, refined
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import OPENTURNS
 from uqfold.typing import FloatArray
@@ -44,8 +41,7 @@ def inputs() -> Any:
 
 def reference() -> tuple[float, float]:
     """Return pf and its error."""
-    coarse, fine = (_by_rule(panels) for panels in (60, 120))
-    return fine, abs(fine - coarse) + 1e-12 * fine
+    return refined(_by_rule, 60, 120)
 
 
 def _by_rule(panels: int) -> float:

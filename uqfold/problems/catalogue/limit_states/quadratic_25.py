@@ -11,13 +11,9 @@ from typing import Any
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    of_sum,
-)
+from uqfold.problems.catalogue.integrals import of_sum
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 

@@ -8,14 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    normal_cdf,
-    over_normal,
-)
+from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 

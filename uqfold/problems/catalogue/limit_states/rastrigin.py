@@ -13,16 +13,10 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    normal_pdf,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import normal_pdf, refined
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    ECHARD_2011,
-)
+from uqfold.problems.catalogue.sources import ECHARD_2011
 from uqfold.typing import FloatArray
 
 
@@ -33,8 +27,7 @@ def limit_state(x: FloatArray) -> FloatArray:
 
 def reference() -> tuple[float, float]:
     """Return pf and its error."""
-    coarse, fine = (_by_rule(nodes) for nodes in (12, 16))
-    return fine, abs(fine - coarse) + 1e-13
+    return refined(_by_rule, 12, 16)
 
 
 def _wave(x: FloatArray) -> FloatArray:
@@ -89,7 +82,7 @@ def _between(low: float, high: float, level: FloatArray) -> tuple[FloatArray, bo
 
 
 ENTRY = Entry(
-    source=f"{ECHARD_2011}, example 2, as on UQWorld (modified Rastrigin function)",
+    source=f"{ECHARD_2011}, as on UQWorld (modified Rastrigin function)",
     kinds=("rough", "design points", "frequent"),
     limit_state=limit_state,
     inputs=lambda: standard_normals(2),

@@ -9,10 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from uqfold.inputs import normal
-from uqfold.problems.catalogue.integrals import (
-    normal_cdf,
-    over_normal,
-)
+from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 
@@ -37,8 +34,7 @@ def reference() -> tuple[float, float]:
 
 
 ENTRY = Entry(
-    source="UQpy (Shields group, Johns Hopkins University, 2023), example: subset simulation for a "
-    "SDOF resonance problem",
+    source="UQpy, as of 2025, example: subset simulation for a SDOF resonance problem",
     kinds=("parallel",),
     limit_state=limit_state,
     inputs=lambda: {"m": normal(5.0, 1.0), "k": normal(125.0, 20.0)},

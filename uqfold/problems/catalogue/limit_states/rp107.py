@@ -6,9 +6,7 @@ import math
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
 from uqfold.problems.catalogue.integrals import closed, normal_cdf
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import RPREPO

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
 from uqfold.problems.catalogue.integrals import closed, normal_cdf
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import RPREPO
@@ -31,8 +29,7 @@ def reference() -> tuple[float, float]:
 
 
 ENTRY = Entry(
-    source="Breitung K (2019), The geometry of limit state function graphs and subset simulation, "
-    f"Reliab. Eng. Syst. Saf. 182, 98-106; RP110 of {RPREPO}",
+    source=f"RP110 of {RPREPO}",
     kinds=("flat", "series"),
     limit_state=limit_state,
     inputs=lambda: standard_normals(2),

@@ -11,10 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_parameters,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_parameters
 from uqfold.problems.catalogue.integrals import normal_cdf, over_normal
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import RPREPO

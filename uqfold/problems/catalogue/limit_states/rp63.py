@@ -9,9 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gammainc
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
 from uqfold.problems.catalogue.integrals import over_normal
 from uqfold.problems.catalogue.record import Entry
 from uqfold.problems.catalogue.sources import RPREPO

@@ -9,16 +9,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gammaincc
 
-from uqfold.problems.catalogue.distributions import (
-    standard_normals,
-)
-from uqfold.problems.catalogue.integrals import (
-    closed,
-)
+from uqfold.problems.catalogue.distributions import standard_normals
+from uqfold.problems.catalogue.integrals import closed
 from uqfold.problems.catalogue.record import Entry
-from uqfold.problems.catalogue.sources import (
-    WAARTS,
-)
+from uqfold.problems.catalogue.sources import WAARTS
 from uqfold.typing import FloatArray
 
 SQUARE = 182.127

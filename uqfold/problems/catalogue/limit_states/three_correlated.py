@@ -15,14 +15,8 @@ from scipy.special import ndtr, ndtri
 
 from uqfold.inputs import normal
 from uqfold.inputs.assembly import normal_copula
-from uqfold.problems.catalogue.distributions import (
-    lognormal,
-    lognormal_of,
-    lognormal_parameters,
-)
-from uqfold.problems.catalogue.integrals import (
-    over_normals,
-)
+from uqfold.problems.catalogue.distributions import lognormal, lognormal_of, lognormal_parameters
+from uqfold.problems.catalogue.integrals import over_normals
 from uqfold.problems.catalogue.record import Entry
 from uqfold.typing import FloatArray
 
@@ -79,7 +73,7 @@ def reference() -> tuple[float, float]:
 
 
 ENTRY = Entry(
-    source="PySTRA (J. Hackl, C. Caprani, 2024), example and tests, after FERUM",
+    source="PySTRA, as of 2026, example and tests, after FERUM",
     kinds=("bounded", "dependent"),
     limit_state=limit_state,
     inputs=inputs,
