@@ -386,6 +386,18 @@ def test_planes_are_looked_at_where_units_that_differ_fail_together(
         assert row.status == "doubtful"
 
 
+def test_more_directions_than_are_integrated_on_a_grid() -> None:
+    """The error of a drawn integral in series was taken for one of the system, and doubted."""
+    inputs = {"shared": [normal(0, 1)] * 4, "individual": {"U": normal(0, 1)}}
+    units = [Unit(lambda x, j=j: 0.6 * x[:, j] + 0.8 * x[:, 4]) for j in range(4)]
+    problem = Problem(pump, **inputs, units=units, structure=KOutOfN(2))
+    row = OpenTURNSFORM().estimate(problem, Criterion(1.5))[0]
+    p = float(ndtr(-1.5))
+    truth = 4.0 * p**3 * (1.0 - p) + p**4
+    assert row.status == "converged"
+    assert abs(row.pf - truth) < 3.0 * row.std_error
+
+
 @pytest.mark.parametrize(
     ("structure", "bend", "turn"),
     [

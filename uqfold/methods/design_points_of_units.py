@@ -115,17 +115,19 @@ def _with_error(
         return float(abs(getattr(pair[1], name) - getattr(pair[0], name))) + pair[1].error
 
     bent = np.array([_bent(one) for one in searches])
-    changes = LEAST + np.array([_elsewhere(one) for one in searches])
+    wrong = np.array([_elsewhere(one) for one in searches], dtype=float)
     # where the system fails the planes are looked at themselves, but for other domains of failure
     seen_there = units.diagram is not None and bent.max() < MOST_BENT
     if not seen_there:
-        changes += bent
-    in_series = replace(units, diagram=None)
+        wrong += bent
+    asked = [(wrong + LEAST, units)]
+    if wrong.any():
+        asked.append((wrong, replace(units, diagram=None)))
     error = departure * small + found.error
     error += max(
         distance(planes.with_betas(_moved(betas, sign * change)), system)
         for sign in (1.0, -1.0)
-        for change, system in ((changes, units), (changes - LEAST, in_series))
+        for change, system in asked
     )
     if not seen_there:
         at_start = np.array([one.start.alpha[:n_shared] for one in searches])

@@ -177,7 +177,9 @@ FORM = Theory(
         "joined through the shared part of the design direction. The point found is checked, not "
         "trusted: further runs measure the curvature of the limit state there, and further "
         "searches look for other design points. What the plane leaves out is the stated error "
-        "while it is small; where it is not, the answer is doubtful, and both numbers are told."
+        "while it is small; where it is not, the answer is doubtful, and both numbers are told. "
+        "Units that differ have a plane each; out of series the planes are compared with the "
+        "responses where the system fails."
     ),
     equations=(
         Equation(
