@@ -7,11 +7,12 @@ of small matrices only wait for each other. The wing is compiled once, while the
 rather than by each of them: it takes half a minute.
 """
 
+import gc
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 import pytest
 
@@ -44,6 +45,17 @@ def pytest_configure(config: pytest.Config) -> None:
         config.stash[COMPILER] = subprocess.Popen(
             [sys.executable, "-c", COMPILING], cwd=config.rootpath, stderr=subprocess.DEVNULL
         )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Keep the garbage collector from looking through thousands of tests, which are no garbage."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
