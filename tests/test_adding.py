@@ -63,8 +63,8 @@ print(json.dumps(found))
 @pytest.fixture(scope="module")
 def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     house = tmp_path_factory.mktemp("house")
-    ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "uqfold", house / "uqfold", ignore=ignored)
+    # with its byte code, which need not be compiled anew
+    shutil.copytree(ROOT / "uqfold", house / "uqfold")
     for name in ("studies/runner.py", "studies/paper.py", "README.md", "pyproject.toml"):
         (house / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, house / name)

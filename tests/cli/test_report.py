@@ -13,7 +13,7 @@ from uqfold.problems.criterion import criteria
 @pytest.fixture
 def run_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    write_records(toy_frame(criteria([11.0, 12.0])), tmp_path / "run")
+    write_records(toy_frame(criteria(12.0)), tmp_path / "run")
     return Path("run")
 
 

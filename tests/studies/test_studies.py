@@ -39,21 +39,10 @@ def loaded(folder: Path) -> ModuleType:
     return module
 
 
-LONG = (
-    *("example-4", "example-5", "example-6", "redundancy"),
-    *("design-to-target", "what-matters", "which-method"),
-)
-"""Studies whose reduced form takes long: `.ci/run` asks them beside the default tests."""
-
-
-@pytest.mark.parametrize(
-    "folder",
-    [
-        pytest.param(one, marks=[pytest.mark.slow] * (one.name in LONG), id=one.name)
-        for one in FOLDERS
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_committed_tables_are_reproduced(folder: Path, tmp_path: Path) -> None:
+    """`.ci/run` asks this beside the default tests."""
     # a store of its own: nothing that an earlier run left is taken for a fresh result
     study = loaded(folder)
     store = uqfold.evaluation.Store(tmp_path / "evaluations.db")
