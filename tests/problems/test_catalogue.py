@@ -29,7 +29,6 @@ def problem(name: str) -> Problem:
 
 THIN = {"genz-corner", "paraboloid-shell", "resonance", "rosenbrock-valley"}
 """Their domains of failure are too thin to be met by draws from a wider space."""
-SIMULATED = [name for name in NAMES if name not in THIN and problem(name).inputs.dimension <= 6]
 
 
 @pytest.mark.parametrize("name", AGAIN)
@@ -40,8 +39,15 @@ def test_the_reference_is_found_again(name: str) -> None:
     assert pf == pytest.approx(one.pf, rel=1e-10, abs=error + one.error)
 
 
-@pytest.mark.parametrize("name", SIMULATED)
-def test_simulation_agrees_with_the_reference(name: str) -> None:
+def test_simulation_agrees_with_references() -> None:
+    """Of few inputs, which draws from a wider space fill."""
+    simulated = [name for name in NAMES if name not in THIN and problem(name).inputs.dimension <= 6]
+    assert len(simulated) > 10
+    for name in simulated:
+        agrees_with_simulation(name)
+
+
+def agrees_with_simulation(name: str) -> None:
     """Draws spread over a wider normal space, weighted; nothing of the derivation takes part."""
     one, inputs = catalogue.entry(name), problem(name).inputs
     d = inputs.dimension
@@ -49,9 +55,10 @@ def test_simulation_agrees_with_the_reference(name: str) -> None:
     u = spread * np.random.default_rng(7).standard_normal((20_000, d))
     weight = spread**d * np.exp(-0.5 * (u * u).sum(axis=1) * (1.0 - spread**-2))
     fails = one.limit_state(inputs.from_standard_normal(u)) <= 0.0
-    assert fails.sum() >= 40
+    assert fails.sum() >= 40, name
     found = weight * fails
-    assert abs(found.mean() - one.pf) <= 4.0 * found.std() / np.sqrt(found.size) + one.error
+    error = 4.0 * found.std() / np.sqrt(found.size) + one.error
+    assert abs(found.mean() - one.pf) <= error, name
 
 
 @pytest.mark.parametrize("name", NAMES)
