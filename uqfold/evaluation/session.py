@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing
-from dataclasses import dataclass, field
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -202,6 +202,33 @@ class EvaluationSession:
     def expect(self, n_evals: int) -> None:
         """Tell the progress display how many evaluations there will be in all."""
         self.expected = n_evals if self.max_evals is None else min(n_evals, self.max_evals)
+
+    @contextmanager
+    def share(self, most: int) -> Iterator[EvaluationSession]:
+        """Hand out a part of the budget as a session of its own; its runs are counted here too.
+
+        Parameters
+        ----------
+        most
+            Evaluations that it may spend; no more than are left.
+        """
+        before, expected = self.n_evals, self.expected
+
+        def progress(n_evals: int, _: int | None) -> None:
+            if self.progress is not None:
+                self.progress(before + n_evals, expected)
+
+        part = replace(
+            self, max_evals=min(most, self.remaining), progress=progress,
+            n_evals=0, n_reused=0, n_failed=0, first_failure="", expected=None,
+        )  # fmt: skip
+        try:
+            yield part
+        finally:
+            self.n_evals += part.n_evals
+            self.n_reused += part.n_reused
+            self.n_failed += part.n_failed
+            self.first_failure = self.first_failure or part.first_failure
 
     @property
     def watched(self) -> bool:

@@ -14,6 +14,7 @@ from uqfold.methods.base import ReliabilityMethod
 ENTRY_POINT_GROUP = "uqfold.methods"
 
 _BUILT_IN: dict[str, str] = {
+    "auto": "uqfold.methods.automatic:Automatic",
     "ffni-spa": "uqfold.methods.ffni_saddlepoint:FFNISaddlepoint",
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
     "ffni": "uqfold.methods.ffni:FFNI",
