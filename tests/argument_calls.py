@@ -173,7 +173,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "evaluation.EvaluationSession",
     "analysis.Scan.of",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
-    "evaluation.EvaluationSession.expect",
+    "evaluation.EvaluationSession.expect", "evaluation.EvaluationSession.share",
     "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
     "methods.AskTellSession.replay",
@@ -385,6 +385,10 @@ def calls(folder: Path) -> dict[str, Call]:
                 **run,
                 "progress": optional(thing(nothing)),
             },
+        ),
+        "estimate": Call(
+            uqfold.estimate,
+            {"problem": at, "criteria": of["criteria"], "target": number(), **run},
         ),
         "criteria": Call(
             uqfold.criteria,
@@ -753,6 +757,9 @@ def calls(folder: Path) -> dict[str, Call]:
                 "pilot": count(10),
                 "target_cov": optional(number()),
             },
+        ),
+        "methods.Automatic": Call(
+            methods.Automatic, {"target_cov": number(), "check_runs": count().also("zero")}
         ),
         "methods.SubsetSimulation": Call(
             methods.SubsetSimulation,

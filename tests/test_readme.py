@@ -22,6 +22,7 @@ PAGES = [
     "docs/evaluation.md",
     "docs/mechanism.md",
     "docs/multifidelity.md",
+    "docs/one-answer.md",
     "docs/rare-events.md",
     "docs/records.md",
     "docs/reports.md",

@@ -14,6 +14,7 @@ from uqfold import (
 )
 from uqfold.comparison.run import compare as compare
 from uqfold.evaluation.evaluator import Evaluator as Evaluator
+from uqfold.methods.automatic import estimate as estimate
 from uqfold.methods.base import ReliabilityMethod as ReliabilityMethod
 from uqfold.methods.result import ReliabilityResult as ReliabilityResult
 from uqfold.problems.base import Problem as Problem

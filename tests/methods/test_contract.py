@@ -4,6 +4,7 @@ import pytest
 
 from uqfold.methods import (
     ActiveKriging,
+    Automatic,
     Kriging,
     MultifidelityMonteCarlo,
     PolynomialChaos,
@@ -15,8 +16,9 @@ from uqfold.testing.conduct import same_in_a_fresh_process
 
 METHODS = available()
 # thirty surfaces each
-SLOW = {(name, "stated_errors_are_honest") for name in ("kriging", "pce", "active-kriging")}
+SLOW = {(name, "stated_errors_are_honest") for name in ("auto", "kriging", "pce", "active-kriging")}
 LIGHT: dict[str, ReliabilityMethod] = {
+    "auto": Automatic(check_runs=0),
     "kriging": Kriging(runs=40, kernel="gaussian", trend="linear"),
     "pce": PolynomialChaos(runs=40, max_degree=3),
     "active-kriging": ActiveKriging(runs=40, kernel="gaussian"),

@@ -1,4 +1,5 @@
 from uqfold.methods.active_kriging import ActiveKriging as ActiveKriging
+from uqfold.methods.automatic import Automatic as Automatic
 from uqfold.methods.ask_tell import (
     AskTellSession as AskTellSession,
     SequentialMethod as SequentialMethod,

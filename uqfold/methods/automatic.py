@@ -8,11 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from uqfold.checks import keep, real, whole
+from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
+from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.kriging import Kriging, KrigingDetails
 from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
-from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate
+from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate, ReliabilityResult
+from uqfold.methods.seeding import RandomSource
 from uqfold.methods.subset_simulation import SubsetSimulation
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -199,7 +202,7 @@ class _Course:
         with task.session.share(most) as session:
             seed = int(task.generator(len(self.attempts)).integers(2**63))
             own = replace(task, criteria=criteria, session=session, seed=seed)
-            solution = method.solution(own)
+            solution = method._solved(own)
             made = session.n_evals
         attempt = Attempt(method, purpose, criteria, tuple(solution.estimates), made)
         self.attempts.append(attempt)
@@ -262,3 +265,37 @@ def _stated(estimate: Estimate) -> str:
     if estimate.states_an_error:
         return f"{estimate.pf:.4g} in {estimate.ci_low:.2g} .. {estimate.ci_high:.2g}"
     return f"{estimate.pf:.4g} without an error"
+
+
+def estimate(
+    problem: Problem,
+    criteria: CriteriaLike = None,
+    target: float = 0.05,
+    *,
+    max_evals: int | None = None,
+    rng: RandomSource = None,
+    evaluator: Evaluator | None = None,
+) -> ReliabilityResult:
+    """Estimate failure probabilities without choosing a method; see `Automatic`.
+
+    Parameters
+    ----------
+    problem, criteria, max_evals, rng, evaluator
+        As in `ReliabilityMethod.estimate`; without `max_evals` 6,000 runs may be made.
+    target
+        Stated error, relative to pf, that is aimed for; rows that state more are ``doubtful``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For wrong arguments, before any run is spent.
+
+    Examples
+    --------
+    >>> import uqfold
+    >>> result = uqfold.estimate(uqfold.problems.series(), uqfold.criteria(2.0), rng=1)
+    >>> print(f"{result[0].pf:.3f} {result[0].status}")
+    0.017 converged
+    """
+    method = Automatic(target_cov=real("target", target, above=0.0))
+    return method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)

@@ -251,7 +251,7 @@ class ReliabilityMethod(ABC):
         solution = self._guarded(run.task, lambda: self._solve(run.task))
         return self._finished(run, solution, time.perf_counter() - started)
 
-    def solution(self, task: Task) -> Solution:
+    def _solved(self, task: Task) -> Solution:
         """Answer the criteria of a task that another method has opened.
 
         Runs are counted by the session of the task; what the hook raises becomes a status.
