@@ -9,13 +9,13 @@ import pytest
 import uqfold
 from uqfold.comparison import named_problem
 from uqfold.methods import Automatic, Kriging, ReliabilityMethod, Solution, Task
-from uqfold.methods.automatic import Attempt
+from uqfold.methods.automatic import MethodTried
 
 NORMALS = ot.Normal(2)
 
 
 def courses(result: uqfold.ReliabilityResult) -> list[tuple[str, str]]:
-    attempts: tuple[Attempt, ...] = result.details.attempts
+    attempts: tuple[MethodTried, ...] = result.details.attempts
     return [(one.method.name, one.purpose) for one in attempts]
 
 

@@ -35,7 +35,7 @@ AGREE = 3.5
 
 
 @dataclass(frozen=True)
-class Attempt:
+class MethodTried:
     """One method that was tried.
 
     Attributes
@@ -69,7 +69,7 @@ class AutomaticDetails:
         What was tried, in order.
     """
 
-    attempts: tuple[Attempt, ...]
+    attempts: tuple[MethodTried, ...]
 
     @property
     def n_evals_of_checks(self) -> int:
@@ -184,8 +184,8 @@ class _Course:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        self.attempts: list[Attempt] = []
-        self._found: list[list[tuple[Attempt, Estimate]]] = [[] for _ in task.criteria]
+        self.attempts: list[MethodTried] = []
+        self._found: list[list[tuple[MethodTried, Estimate]]] = [[] for _ in task.criteria]
 
     def ask(
         self,
@@ -204,7 +204,7 @@ class _Course:
             own = replace(task, criteria=criteria, session=session, seed=seed)
             solution = method._solved(own)
             made = session.n_evals
-        attempt = Attempt(method, purpose, criteria, tuple(solution.estimates), made)
+        attempt = MethodTried(method, purpose, criteria, tuple(solution.estimates), made)
         self.attempts.append(attempt)
         for i, estimate in zip(asked, solution.estimates, strict=True):
             self._found[i].append((attempt, estimate))

@@ -14,7 +14,6 @@ from uqfold.methods.base import ReliabilityMethod
 ENTRY_POINT_GROUP = "uqfold.methods"
 
 _BUILT_IN: dict[str, str] = {
-    "auto": "uqfold.methods.automatic:Automatic",
     "ffni-spa": "uqfold.methods.ffni_saddlepoint:FFNISaddlepoint",
     "ffni-pearson": "uqfold.methods.ffni_pearson:FFNIPearson",
     "ffni": "uqfold.methods.ffni:FFNI",
@@ -27,6 +26,7 @@ _BUILT_IN: dict[str, str] = {
     "subset-simulation": "uqfold.methods.subset_simulation:SubsetSimulation",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
+    "auto": "uqfold.methods.automatic:Automatic",
 }
 
 

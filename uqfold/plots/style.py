@@ -44,11 +44,11 @@ _FIXED = {
 }
 """Their colours and markers."""
 FURTHER_STYLES = (
-    MethodStyle("#5D3A9B", ">"),
     MethodStyle("#8C510A", "h"),
     MethodStyle("#3F9C8D", "d"),
     MethodStyle("#AA4499", "H"),
     MethodStyle("#666666", "8"),
+    MethodStyle("#5A6A00", "^"),
 )
 
 _CURVE_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
