@@ -111,6 +111,36 @@ def test_the_table_says_what_the_method_says(table: pd.DataFrame) -> None:
     assert (table.pf > 1.5 * table.pf_independent).all()
 
 
+def test_measures_and_pairs_state_their_errors(table: pd.DataFrame) -> None:
+    """They had none of their own: with few runs they must hold the exact ones, and be larger."""
+
+    def curved(x: FloatArray) -> FloatArray:
+        return np.asarray(0.6 * x[:, 0] + 0.8 * np.sinh(x[:, 1] / 1.2))
+
+    problem = Problem(
+        curved,
+        shared={"V": normal(0, 1)}, individual={"U": normal(0, 1)},
+        units=[Unit(), Unit(offset=-0.3), Unit(offset=0.2)], structure=Structure("u0 & u1 | u2"),
+    )  # fmt: skip
+    few, many = (PolynomialChaos(runs=runs, max_degree=5) for runs in (14, 60))
+    rough, fine = (importance_of_units(problem, Criterion(1.5), one, rng=2) for one in (few, many))
+    pairs, better = (joint_failures(problem, Criterion(1.5), one, rng=2) for one in (few, many))
+    measures = ["pf_unit", "birnbaum", "fussell_vesely", "risk_achievement_worth"]
+    measures += ["shared_share", "shared_correlation"]
+    for one, other, names in (
+        (rough, fine, measures), (pairs, better, ["pf_both", "correlation"]),
+    ):  # fmt: skip
+        for name in names:
+            error = one[f"{name}_error"]
+            assert ((one[name] - other[name]).abs() <= 4.0 * error + 1e-12).all(), name
+            assert (error >= other[f"{name}_error"]).all(), name
+            assert (error < one[name].abs()).all(), name
+    never = importance_of_units(problem, Criterion(1e6), many, rng=2)
+    assert never["birnbaum_error"].isna().all()
+    # a unit that must fail for the system to fail has an infinite one
+    assert table.risk_reduction_worth_error.isna().tolist() == [False, False, True] * 2
+
+
 def test_how_much_of_pf_the_shared_inputs_carry(table: pd.DataFrame) -> None:
     for (threshold, missions), rows in table.groupby(["threshold", "missions"]):
         T, m = float(threshold), int(missions)

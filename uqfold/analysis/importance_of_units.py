@@ -27,6 +27,8 @@ van der Borst M, Schoonakker H. An overview of PSA importance measures. Reliab. 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _MEASURES = ("birnbaum", "fussell_vesely", "risk_achievement_worth", "risk_reduction_worth")
+_WITH_ERRORS = ("pf_unit", *_MEASURES, "shared_share", "shared_correlation")
 
 
 def importance_of_units(
@@ -80,7 +83,9 @@ def importance_of_units(
         the system); the last five again with ``_independent``, as if nothing were shared by units
         and missions; ``shared_share``, 1 - ``pf_independent`` / ``pf``, and ``shared_correlation``
         of the failures of two systems with the same shared inputs; ``std_error``, ``status`` and
-        ``message`` of the surface's answer for pf. The measures have no errors of their own.
+        ``message`` of the surface's answer for pf; and standard errors of ``pf_unit``, the four
+        measures and the two last as ``pf_unit_error``, ``birnbaum_error`` and so on, NaN where none
+        is stated of pf. Those with ``_independent`` have none of their own.
 
     Raises
     ------
@@ -99,29 +104,57 @@ def importance_of_units(
     rows = []
     for given in found:
         weights, missions = given.weights, given.criterion.missions
-        alone, at_work = (one @ weights for one in (given.fails, given.works))
-        shared = _measures(structure, given.fails, given.works, weights, missions)
-        whole = over_missions(*structure.probabilities(given.fails, given.works), missions)[0]
-        correlation = correlation_of_failures(whole, whole, weights)
-        apart = _measures(structure, alone[:, None], at_work[:, None], np.ones(1), missions)
-        pf = shared["pf"][0]
+        numbers = partial(_columns, structure, weights=weights, missions=missions)
+        columns = numbers(given.fails, given.works)
+        table = partial(_with_errors, numbers)
+        errors = dict(zip(_WITH_ERRORS, given.error(table), strict=True))
         for i, name in enumerate(problem.unit_names):
             rows.append(
                 {
                     "threshold": given.criterion.threshold,
                     "missions": str(missions),
                     "unit": name,
-                    "pf_unit": alone[i],
-                    **{key: values[i] for key, values in shared.items()},
-                    **{f"{key}_independent": values[i] for key, values in apart.items()},
-                    "shared_share": 1.0 - apart["pf"][i] / pf if pf > 0.0 else math.nan,
-                    "shared_correlation": correlation,
+                    **{key: values[i] for key, values in columns.items()},
+                    **{f"{key}_error": values[i] for key, values in errors.items()},
                     "std_error": given.answer.std_error,
                     "status": given.answer.status,
                     "message": given.answer.message,
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _columns(
+    structure: Diagram,
+    fails: FloatArray,
+    works: FloatArray,
+    weights: FloatArray,
+    missions: Missions,
+) -> dict[str, FloatArray]:
+    """All numbers (n,) of units that fail and work with these probabilities (n, K)."""
+    alone, at_work = (one @ weights for one in (fails, works))
+    shared = _measures(structure, fails, works, weights, missions)
+    whole = over_missions(*structure.probabilities(fails, works), missions)[0]
+    apart = _measures(structure, alone[:, None], at_work[:, None], np.ones(1), missions)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = 1.0 - apart["pf"] / shared["pf"]
+    return {
+        "pf_unit": alone,
+        **shared,
+        **{f"{key}_independent": values for key, values in apart.items()},
+        "shared_share": np.where(shared["pf"] > 0.0, share, math.nan),
+        "shared_correlation": np.full(len(fails), correlation_of_failures(whole, whole, weights)),
+    }
+
+
+def _with_errors(
+    numbers: Callable[[FloatArray, FloatArray], dict[str, FloatArray]],
+    fails: FloatArray,
+    works: FloatArray,
+) -> FloatArray:
+    """Those of the numbers that have errors, one column in each row."""
+    found = numbers(fails, works)
+    return np.array([found[name] for name in _WITH_ERRORS])
 
 
 def _measures(

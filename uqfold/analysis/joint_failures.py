@@ -7,8 +7,11 @@ Given the shared inputs v, units fail independently of each other with f_i(v), s
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import combinations
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from uqfold.analysis.fitted_surface import SurfaceMethod
 from uqfold.analysis.units_given_shared import correlation_of_failures, units_given_shared
@@ -17,6 +20,7 @@ from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import CriteriaLike, checked_problem
 from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
+from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,8 +45,9 @@ def joint_failures(
     pandas.DataFrame
         One row per threshold and pair: ``threshold``, ``unit`` and ``other``; ``pf_unit`` and
         ``pf_other`` of each alone; ``pf_both``, and ``pf_both_independent`` as if nothing were
-        shared; ``correlation`` of the two failures; ``status`` and ``message`` of the surface's
-        answer for the system. The numbers of pairs have no errors of their own.
+        shared; ``correlation`` of the two failures; standard errors of ``pf_both`` and of the
+        correlation as ``pf_both_error`` and ``correlation_error``, NaN where none is stated of the
+        system's pf; ``status`` and ``message`` of the surface's answer for the system.
     """
     import pandas as pd
 
@@ -53,9 +58,11 @@ def joint_failures(
     )
     rows = []
     for given in {one.criterion.threshold: one for one in found}.values():
-        alone = given.fails @ given.weights
-        for i, j in combinations(range(len(alone)), 2):
-            first, second = given.fails[i], given.fails[j]
+        weights = given.weights
+        table = partial(_of_pairs, weights=weights)
+        alone = given.fails @ weights
+        numbers, errors = table(given.fails, given.works), given.error(table)
+        for pair, (i, j) in enumerate(combinations(range(len(alone)), 2)):
             rows.append(
                 {
                     "threshold": given.criterion.threshold,
@@ -63,11 +70,20 @@ def joint_failures(
                     "other": problem.unit_names[j],
                     "pf_unit": alone[i],
                     "pf_other": alone[j],
-                    "pf_both": float((first * second) @ given.weights),
+                    "pf_both": numbers[0, pair],
                     "pf_both_independent": alone[i] * alone[j],
-                    "correlation": correlation_of_failures(first, second, given.weights),
+                    "correlation": numbers[1, pair],
+                    "pf_both_error": errors[0, pair],
+                    "correlation_error": errors[1, pair],
                     "status": given.answer.status,
                     "message": given.answer.message,
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _of_pairs(fails: FloatArray, _: FloatArray, weights: FloatArray) -> FloatArray:
+    """How often both units of each pair fail, and the correlation of their failures (2, pairs)."""
+    pairs = list(combinations(fails, 2))
+    both = [float((first * second) @ weights) for first, second in pairs]
+    return np.array([both, [correlation_of_failures(*one, weights) for one in pairs]])

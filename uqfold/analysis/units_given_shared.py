@@ -1,9 +1,15 @@
-"""How units fail given the shared inputs, on a fitted surface of each kind of them."""
+"""How units fail given the shared inputs, on a fitted surface of each kind of them.
+
+What is made of this for one criterion has an error in two parts. Surfaces drawn from the posteriors
+of all kinds tell how it scatters, each unit for itself; and all thresholds are moved, forth and
+back, by what moves pf by its stated error, which holds whatever else is doubted about the surfaces.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,10 +23,22 @@ from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional_unit import UnitResponse
-from uqfold.system.structure import SystemUnits
+from uqfold.system.missions import over_missions
+from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.surface import OfKinds
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.synchronized import failure_of_units
 from uqfold.typing import FloatArray
+
+_Units: TypeAlias = tuple[FloatArray, FloatArray]
+"""How each unit fails, and works, at each shared node (n, K)."""
+
+_DRAWS = 12
+"""Surfaces drawn for the error."""
+_CAUTION = 1.5
+"""Error over the spread of these, as measured beside tables of many more runs."""
+_STEP = 1e-3
+"""Step in the threshold for the derivative of pf, as a share of the range of responses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +53,11 @@ class UnitsGivenShared:
         How each unit does in one mission (n, K), and its complement.
     weights
         Of the nodes (K,), with the sum 1.
+    drawn, moved
+        How else they might do, as pairs like `fails` and `works`: by surfaces drawn, and with lower
+        and higher thresholds. Both are empty where no error of pf is stated.
+    caution
+        How many times the spread of the former counts.
     """
 
     criterion: Criterion
@@ -42,6 +65,20 @@ class UnitsGivenShared:
     fails: FloatArray
     works: FloatArray
     weights: FloatArray
+    drawn: Sequence[_Units] = ()
+    moved: Sequence[_Units] = ()
+    caution: float = 1.0
+
+    def error(self, measure: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
+        """Standard errors of a function of `fails` and `works`, in its shape; NaN without any."""
+        if not self.moved:
+            return np.full_like(measure(self.fails, self.works), np.nan)
+        drawn = np.array([measure(*one) for one in self.drawn])
+        low, high = (measure(*one) for one in self.moved)
+        # infinite ones have no error
+        with np.errstate(invalid="ignore"):
+            spread = self.caution * drawn.std(axis=0, ddof=1)
+            return np.asarray(np.hypot(spread, 0.5 * np.abs(high - low)))
 
 
 def units_given_shared(
@@ -81,16 +118,52 @@ def units_given_shared(
     laid = [*asked, Criterion(asked[0].threshold, missions=2)]
     dimensions = [one.inputs.dimension for one in fitted]
     system = laid_out(means, dimensions, problem.inputs.n_shared, units, laid)
-    responses = system.responses(means, noise=[one.noise for one in fitted]).whole
-    nodes = [
+    noise = [one.noise for one in fitted]
+    weights = system.weights / system.weights.sum()
+    nodes = _nodes(system.responses(means, noise=noise).whole)
+    # few lines are enough for changes, but over the same shared nodes
+    few = tuple(
+        replace(coarse, shared_nodes=rule.shared_nodes, weights=rule.weights)
+        for coarse, rule in zip(system.coarse, system.rules, strict=True)
+    )
+    generator = np.random.default_rng(fitted[0].result.seed)
+    paths = [one.surface.sample_paths(generator, _DRAWS) for one in fitted]
+    _, *by_others = replace(system, coarse=few).coarse_responses(means, paths, noise=noise)
+    others = [_nodes(one) for one in by_others]
+    step = _STEP * max(
+        float(np.ptp(mean(rule.points))) for mean, rule in zip(means, few, strict=True)
+    )
+    structure = diagram(problem.structure, problem.unit_names)
+
+    def given(criterion: Criterion, answer: CriterionResult) -> UnitsGivenShared:
+        def units_at(threshold: float) -> _Units:
+            return _of_units(nodes, units, threshold)
+
+        def log_pf(threshold: float) -> float:
+            whole = over_missions(
+                *structure.probabilities(*units_at(threshold)), criterion.missions
+            )
+            return float(np.log(np.maximum(whole[0] @ weights, np.finfo(np.float64).tiny)))
+
+        T = criterion.threshold
+        own = UnitsGivenShared(criterion, answer, *units_at(T), weights)
+        slope = (log_pf(T - step) - log_pf(T + step)) / (2.0 * step)
+        if not (answer.std_error > 0.0 and slope > 0.0):
+            return own
+        by = answer.std_error / answer.pf / slope
+        moved = [units_at(T - by), units_at(T + by)]
+        drawn = [_of_units(one, units, T) for one in others]
+        caution = _CAUTION * max(one.overconfidence for one in fitted)
+        return replace(own, drawn=drawn, moved=moved, caution=caution)
+
+    return [given(*pair) for pair in zip(asked, fitted[0].result, strict=True)]
+
+
+def _nodes(responses: OfKinds) -> list[list[UnitResponse]]:
+    """Responses of all kinds at each shared node."""
+    return [
         [UnitResponse([one], np.ones(1)) for one in of_kinds]
         for of_kinds in zip(*responses, strict=True)
-    ]
-    weights = system.weights / system.weights.sum()
-    result = fitted[0].result
-    return [
-        UnitsGivenShared(criterion, row, *_of_units(nodes, units, criterion.threshold), weights)
-        for criterion, row in zip(asked, result, strict=True)
     ]
 
 
@@ -115,7 +188,7 @@ def correlation_of_failures(first: FloatArray, second: FloatArray, weights: Floa
 
 def _of_units(
     nodes: Sequence[Sequence[UnitResponse]], units: SystemUnits, threshold: float
-) -> tuple[FloatArray, FloatArray]:
+) -> _Units:
     """How each unit fails and works at each shared node (n, K)."""
     pairs = [failure_of_units(node, units, np.array([threshold])) for node in nodes]
     index = np.zeros(units.count, dtype=int) if units.of_sorts is None else units.of_sorts
