@@ -28,6 +28,7 @@ from uqfold.methods import (
     Task,
 )
 from uqfold.methods.ask_tell import SequentialMethod
+from uqfold.surrogates.gaussian_process import fit_gaussian_process
 from uqfold.testing.conduct import same_numbers
 from uqfold.testing.curved import CurvedSystem
 
@@ -285,6 +286,22 @@ def test_method_computes_on_one_thread(
     monkeypatch.setattr(type(method), "_solve", watched)
     method.estimate(CurvedSystem(units=1).problem(), uqfold.criteria(12.5), rng=1)
     assert seen == [ONE]
+
+
+def test_a_process_is_fitted_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search for its hyperparameters ends elsewhere when sums are cut differently."""
+    seen, minimize = list[list[int]](), scipy.optimize.minimize
+
+    def watched(*arguments: Any, **options: Any) -> Any:
+        seen.append(setting())
+        return minimize(*arguments, **options)
+
+    monkeypatch.setattr(scipy.optimize, "minimize", watched)
+    u = np.linspace(-2.0, 2.0, 6)[:, None]
+    fit_gaussian_process(u, np.sin(u[:, 0]))
+    assert seen
+    assert all(one == ONE for one in seen)
+    assert setting() == THREE
 
 
 PROGRAM = """

@@ -126,7 +126,8 @@ class ActiveKriging(SequentialMethod):
     training set agree with the surface. Otherwise it learns on, until `runs` are spent. The first
     check also looks further out, with at most a tenth of the runs: beyond the most important point
     and on both sides along each input. A threshold that is crossed there where the surface was sure
-    of the other side makes its rows ``doubtful``. A region that no run enters stays unknown.
+    of the other side, or much nearer than it says, makes its rows ``doubtful``; where it was not
+    sure it learns. A region that no run enters stays unknown.
 
     Attributes
     ----------
@@ -271,7 +272,7 @@ class ActiveKriging(SequentialMethod):
                 further = Outlying.of(view, new[k:], met[k:])
                 checks.append(Check.of(view, new[:k], met[:k], self.tolerance, further))
                 # those further out that agree would teach nothing of what is near
-                agree = k + np.flatnonzero(~further.against(view.question.levels))
+                agree = k + np.flatnonzero(~further.missed(view.question.levels))
                 aside += agree.size
                 new, met = np.delete(new, agree, axis=0), np.delete(met, agree)
             if left == 0 or (check_now and checks[-1].passed):
@@ -394,8 +395,8 @@ def _doubts(criterion: Criterion, surface: GaussianProcess, checks: Sequence[Che
     if against:
         doubts.append(
             f"{against} of {sum(check.outlying.y.size for check in checks)} runs further out lie "
-            "on the other side of the threshold than the surface was sure of: where that begins "
-            "no run tells"
+            "on the other side of the threshold, or nearer to it, than the surface was sure of: "
+            "where that begins no run tells"
         )
     wrong = _on_the_wrong_side(criterion.threshold, surface)
     if wrong:

@@ -63,14 +63,10 @@ class Answers:
         thickness
             Least standard deviation (C,) with which each level is seen.
         """
-        criteria = self.question.criteria
-        v = u[:, : self.shared_nodes.shape[1]]
-        nearest = ((v[:, None, :] - self.shared_nodes) ** 2).sum(axis=2).argmin(axis=1)
-        values = np.empty((len(criteria), u.shape[0]))
-        for row, criterion in enumerate(criteria):
+        nearest, values = self._jumps(u)
+        for row, criterion in enumerate(self.question.criteria):
             s = np.maximum(std, thickness[row])
-            jump = np.array([at_node[row].jump for at_node in self.influences])
-            values[row] = jump[nearest] * normal_density(criterion.threshold, mean, s)
+            values[row] *= normal_density(criterion.threshold, mean, s)
         for node in np.unique(nearest):
             here = nearest == node
             for row, own in enumerate(self.influences[node]):
@@ -80,6 +76,33 @@ class Answers:
             # another infinite response would teach the surface nothing
             values *= self.question.usable(u)
         return values
+
+    def beyond(self, u: FloatArray, mean: FloatArray, std: FloatArray, centre: float) -> FloatArray:
+        """Weight (C, N) of responses that may lie on the other side of a threshold than most.
+
+        Parameters
+        ----------
+        u
+            Points (N, d).
+        mean, std
+            Posterior mean and standard deviation of the surface there (N,).
+        centre
+            Its mean at the origin, on the side where most responses are.
+        """
+        from scipy.special import ndtr
+
+        values = self._jumps(u)[1]
+        for row, criterion in enumerate(self.question.criteria):
+            above = (mean - criterion.threshold) / std
+            values[row] *= ndtr(-above if centre > criterion.threshold else above)
+        return values
+
+    def _jumps(self, u: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Nearest shared node (N,) of points u (N, d), and the weights (C, N) of thresholds."""
+        v = u[:, : self.shared_nodes.shape[1]]
+        nearest = ((v[:, None, :] - self.shared_nodes) ** 2).sum(axis=2).argmin(axis=1)
+        jumps = np.array([[own.jump for own in at_node] for at_node in self.influences])
+        return nearest, jumps.T[:, nearest]
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,13 +22,15 @@ from uqfold.typing import BoolArray, FloatArray
 _STEPS = 2
 # A control run further from its prediction than this many stated standard deviations fails the
 # check; so do all of them together when their root mean square exceeds the second number.
-_FARTHEST_Z, _LARGEST_RMS = 3.0, 2.0
+_FARTHEST_Z, _LARGEST_RMS = 2.5, 1.5
 # Regions whose probability could reach this share of pf are worth looking into.
 _SHARE = 0.02
 _LOOKED_AT = 512
 # A half-space beyond the outlying runs holds at most this share of the smallest pf. They contradict
 # a surface that had put them on the other side of a threshold by so many standard deviations.
 _BEYOND, _SURE_Z = 1e-3, 2.0
+# Share of its foretold distance to a threshold within which an outlying run is much nearer to it.
+_NEARER = 0.5
 
 
 @dataclass
@@ -99,15 +101,28 @@ class Outlying:
         return cls(u, y, mean, np.hypot(std, view.process.noise_std))
 
     def against(self, levels: FloatArray) -> BoolArray:
-        """Which runs (m,) lie where the surrogate was sure that they do not.
+        """Which runs (m,) lie where the surrogate was sure that they do not, failed ones too.
 
-        That is on the other side of one of the thresholds (L,); how far beyond it does not matter
-        to pf. Failed runs lie nowhere.
+        That is on the other side of one of the thresholds (L,), or on this side much nearer to it
+        than the surrogate states, which then may have put its limit anywhere between. How far
+        beyond a threshold a response lies does not matter to pf.
         """
-        above = self.mean[:, None] - levels
-        wrong = (above > 0.0) != (self.y[:, None] > levels)
-        sure = np.abs(above) > _SURE_Z * self.std[:, None]
-        return np.asarray((wrong & sure).any(axis=1) | np.isnan(self.y))
+        foretold, found = self.mean[:, None] - levels, self.y[:, None] - levels
+        std = self.std[:, None]
+        wrong = self._wrong(levels) & (np.abs(foretold) > _SURE_Z * std)
+        nearer = np.abs(found) < _NEARER * np.abs(foretold)
+        nearer &= np.abs(foretold - found) > _FARTHEST_Z * std
+        return np.asarray((wrong | nearer).any(axis=1) | np.isnan(self.y))
+
+    def missed(self, levels: FloatArray) -> BoolArray:
+        """Which runs (m,) are against the surrogate, or on another side although it was not sure.
+
+        They would teach where the thresholds (L,) are.
+        """
+        return np.asarray(self.against(levels) | self._wrong(levels).any(axis=1))
+
+    def _wrong(self, levels: FloatArray) -> BoolArray:
+        return np.asarray((self.mean[:, None] > levels) != (self.y[:, None] > levels))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +181,7 @@ class Check:
         z = np.abs(residuals / std)[finite]
         matters = np.abs(residuals[finite]) * view.shift.max() > tolerance
         explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
-        agreed = not outlying.against(view.question.levels).any()
+        agreed = not outlying.missed(view.question.levels).any()
         passed = bool(explained or not matters.any()) and agreed
         return cls(u, residuals, std, passed, outlying)
 
@@ -184,7 +199,10 @@ def control_points(view: View, count: int, rng: np.random.Generator) -> FloatArr
     lie where no run has been yet.
     """
     far = count // 3
-    likely = rng.permutation(resampled(view.importance, 20 * count, rng))
+    # a steep part of a limit has little influence for each unit of the response, and errs by more
+    uncertain = view.importance * view.process.std(view.u)
+    share = view.importance / view.importance.sum() + uncertain / uncertain.sum()
+    likely = rng.permutation(resampled(share, 20 * count, rng))
     # each point once, but the important ones, which come often, first
     first = np.sort(np.unique(likely, return_index=True)[1])[: count - far]
     near = view.u[likely[first]]

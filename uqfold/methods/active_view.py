@@ -148,10 +148,16 @@ def _cloud(
     question = answers.question
     wide = np.full(len(question.criteria), max(0.1 * float(process.y.std()), 1e-300))
 
+    centre = float(process.mean(np.zeros((1, question.dimension)))[0])
+
     def wanted(u: FloatArray) -> FloatArray:
         return answers.influence_at(u, *process.mean_and_std(u), wide)
 
-    cloud = importance_cloud(wanted, question.dimension, rng, _LAYERS)
+    def beyond(u: FloatArray) -> FloatArray:
+        return answers.beyond(u, *process.mean_and_std(u), centre)
+
+    # a steep limit is met by few points of a wide layer, what lies beyond it by many
+    cloud = importance_cloud(wanted, question.dimension, rng, _LAYERS, beyond)
     mean, std = process.mean_and_std(cloud.u)
     thickness = np.array(
         [

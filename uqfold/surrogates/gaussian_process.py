@@ -200,12 +200,12 @@ class SamplePaths:
         return self.prior(u) + out + gp._centre
 
 
-@one_blas_thread()
 def checked_noise(name: str, value: object) -> float:
     """Return a standard deviation of noise; its square has to fit into a float."""
     return real(name, value, at_least=0.0, at_most=LARGEST_NOISE, what="standard deviation")
 
 
+@one_blas_thread()
 def fit_gaussian_process(
     u: FloatArray,
     y: FloatArray,

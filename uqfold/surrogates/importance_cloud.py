@@ -84,6 +84,7 @@ def importance_cloud(
     dimension: int,
     rng: np.random.Generator,
     layers: tuple[int, ...],
+    scouted: Callable[[FloatArray], FloatArray] | None = None,
 ) -> ImportanceCloud:
     """Draw a cloud that follows phi(u) |wanted(u)|.
 
@@ -97,6 +98,9 @@ def importance_cloud(
         Source of randomness.
     layers
         Points of each layer, the first of them spread wide.
+    scouted
+        More values at the points of the first layer, which the second one follows, too: of wide
+        regions beside narrow ones that are wanted.
     """
     proposals: list[Proposal] = [WideProposal(dimension)]
     drawn = [_draw(proposals[0], dimension, layers[0], rng)]
@@ -105,7 +109,10 @@ def importance_cloud(
         check_time()
         u = np.concatenate(drawn)
         weights = _balanced(u, proposals, layers)
-        importance = _importance(np.concatenate(values, axis=1), weights)
+        known = np.concatenate(values, axis=1)
+        if scouted is not None and len(drawn) == 1:
+            known = np.concatenate([known, scouted(u)])
+        importance = _importance(known, weights)
         if importance is None:
             break
         proposals.append(_fitted(u, importance, rng))
