@@ -13,7 +13,7 @@ import pytest
 from scipy import stats
 
 from uqfold.evaluation import Evaluator, deadline
-from uqfold.methods import ActiveKriging, Kriging, ReliabilityResult, active_view
+from uqfold.methods import ActiveKriging, Kriging, ReliabilityResult
 from uqfold.methods.active_kriging import _on_the_wrong_side
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import (
@@ -25,6 +25,7 @@ from uqfold.methods.active_stopping import (
     unvisited,
 )
 from uqfold.methods.active_view import View
+from uqfold.methods.limit_cloud import limit_cloud
 from uqfold.problems import Problem, four_bar, four_branch, series
 from uqfold.problems.criterion import Criterion, criteria
 from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
@@ -339,23 +340,22 @@ def test_runs_further_out_that_the_surface_was_not_sure_of_are_learned() -> None
     assert not outlying.against(np.array([1.0])).any()
 
 
-def test_a_steep_limit_is_seen_beside_a_flat_one() -> None:
-    """Nearly all failures lie beyond the steep one, which few points of a wide layer meet."""
+def test_steep_and_flat_parts_of_a_limit_are_seen_with_their_weights() -> None:
+    """With one thickness for all, in units of the response, the steep part got 2 % and not 29 %."""
 
     def response(u: FloatArray) -> FloatArray:
         return np.maximum(u[:, 0] / 4.0, 20.0 * (u[:, 1] - 2.95))
 
-    surface: Any = SimpleNamespace(
-        y=np.array([-1.3, 1.3]),
-        mean=response,
-        mean_and_std=lambda u: (response(u), np.full(len(u), 1e-3)),
-    )
     one = Question(5, 0, SystemUnits(1), (Criterion(1.0),), np.zeros((2, 1), dtype=np.int64))
-    near = 0
-    for seed in range(4):
-        cloud, _ = active_view._cloud(surface, one.answers(surface), np.random.default_rng(seed))
-        near += int((np.abs(cloud.u[:, 1] - 3.0) < 0.1).sum())
-    assert near > 160
+    # change of pf for one unit of the response
+    steep, flat = stats.norm.pdf(3.0) / 20.0, 4.0 * stats.norm.pdf(4.0)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        cloud, influence = limit_cloud(response, None, 1.3, one.answers(response), rng)
+        weighted = influence[0] * cloud.weights
+        assert weighted.sum() == pytest.approx(steep + flat, rel=0.25)
+        found = weighted[cloud.u[:, 1] > 2.5].sum() / weighted.sum()
+        assert found == pytest.approx(steep / (steep + flat), rel=0.4)
 
 
 @pytest.mark.parametrize("beyond", [6.0, math.inf])

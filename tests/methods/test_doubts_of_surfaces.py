@@ -9,8 +9,9 @@ import pytest
 from scipy import stats
 
 import uqfold
-from uqfold.methods import Kriging, PolynomialChaos, response_surface
+from uqfold.methods import Kriging, PolynomialChaos, response_surface, surface_errors
 from uqfold.methods.design_runs import DesignRuns
+from uqfold.methods.fitted_kind import FittedKind, HeldOut
 from uqfold.methods.result import CriterionResult
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.cross_validation import LeaveOneOut
@@ -109,8 +110,8 @@ def test_runs_near_the_threshold_that_are_missed_by_half_more_widen_the_error() 
     y = np.arange(100.0)
     residuals = np.where(y >= 90.0, 1.5, 0.5) * np.where(y % 2 == 0.0, 1.0, -1.0)
     validated = LeaveOneOut(residuals, np.ones(100))
-    assert response_surface._overconfidence(validated, y, 110.0) == pytest.approx(1.5)
-    assert response_surface._overconfidence(validated, y, 50.0) == 1.0
+    assert surface_errors.overconfidence(validated, y, 110.0) == pytest.approx(1.5)
+    assert surface_errors.overconfidence(validated, y, 50.0) == 1.0
 
 
 def test_outer_runs_that_are_missed_to_one_side_count_as_an_error() -> None:
@@ -123,6 +124,50 @@ def test_outer_runs_that_are_missed_to_one_side_count_as_an_error() -> None:
     for some in (outer + scatter, scatter):
         validated = LeaveOneOut(some, np.ones(100))
         surface: Any = SimpleNamespace(leave_one_out=lambda known=validated: known)
-        fitted = [response_surface.FittedKind(surface, runs)]
-        lean.append(response_surface._lean(fitted, Criterion(110.0), SystemUnits(1)))
+        fitted = [FittedKind(surface, runs)]
+        lean.append(surface_errors.lean(fitted, Criterion(110.0), SystemUnits(1)))
     assert lean == pytest.approx([0.5, 0.0])
+
+
+def test_runs_held_out_at_the_limit_speak_against_the_stated_error() -> None:
+    """One of six that is missed by far, or all missed to one side, by more than is stated."""
+    y = np.linspace(0.0, 10.0, 100)
+    validated = LeaveOneOut(np.where(np.arange(100) % 2 == 0, 0.1, -0.1), np.full(100, 0.1))
+    surface: Any = SimpleNamespace(leave_one_out=lambda: validated)
+    fitted = [FittedKind(surface, DesignRuns(np.zeros((100, 1)), y, 100))]
+    one_far = np.array([0.0, 0.0, 0.6, 0.0, 0.0, 0.0])
+    foretold, elsewhere = np.full(6, 5.0), np.full(6, 9.0)
+    told = []
+    for residuals, where in ((one_far, foretold), (np.zeros(6), foretold), (one_far, elsewhere)):
+        # those at another threshold say nothing of this one
+        near = np.concatenate([where, foretold[where != foretold]])
+        errors = np.concatenate([residuals, np.zeros(near.size - 6)])
+        held = HeldOut(near, LeaveOneOut(errors, np.full(near.size, 0.1)))
+        factor = surface_errors.overconfidence(validated, y, 5.0, held)
+        lean = surface_errors.lean(fitted, Criterion(5.0), SystemUnits(1), [held])
+        told.append((factor, lean))
+    assert told[0] == (pytest.approx(math.sqrt(6.0)), pytest.approx(0.1))
+    assert told[1] == told[2] == (pytest.approx(1.0), 0.0)
+
+
+def sway(x: FloatArray) -> FloatArray:
+    """Sway of a frame: six loads over two stiffnesses and a length."""
+    loads = np.array([1.0, 0.8, 0.6, 0.5, 0.3, 0.2])
+    column, beam, length = x[:, 6:].T
+    slope = (1.0 + 0.02 * length) ** 3 * (np.exp(-0.1 * column) + 0.5 * np.exp(-0.15 * beam))
+    return slope * (loads.sum() + 0.25 * x[:, :6] @ loads)
+
+
+def test_a_budget_above_the_design_buys_runs_at_the_limit() -> None:
+    """Polynomials were 17 % too low in a tail, 4.5 % stated, converged: no residual showed it."""
+    problem = uqfold.Problem(sway, individual=[stats.norm()] * 9)
+    checked, alone = (
+        PolynomialChaos().estimate(problem, uqfold.criteria(10.0), max_evals=budget, rng=0)
+        for budget in (106, 100)
+    )
+    assert (alone.n_evals, checked.n_evals) == (100, 106)
+    assert checked[0].pf == alone[0].pf
+    assert (alone[0].status, checked[0].status) == ("converged", "doubtful")
+    # pf = 9.117e-7 by quadrature
+    assert checked[0].ci_low < 9.117e-7 < checked[0].ci_high
+    assert not alone[0].ci_low < 9.117e-7 < alone[0].ci_high

@@ -44,13 +44,14 @@ def test_a_budget_above_the_default_is_used_while_the_error_is_above_its_target(
     method: Kriging | PolynomialChaos | ActiveKriging,
 ) -> None:
     """5,900 of 6,000 runs were left unused while the row was doubtful."""
-    # an error below its target asks for no runs
+    # an error below its target asks for no runs but those that check it
     loose = replace(method, target_cov=0.5)
     easy = loose.estimate(problem(smooth, 4), rng=3, max_evals=1_000)[0]
-    assert easy.n_evals <= 100
+    assert easy.n_evals <= 106
     assert easy.std_error > method.target_cov * easy.pf
     row = method.estimate(problem(smooth, 4), rng=3, max_evals=1_000)[0]
-    assert easy.n_evals < row.n_evals <= 400
+    # two times doubled, and checked each time
+    assert easy.n_evals < row.n_evals <= 424
     assert row.std_error < method.target_cov * row.pf
 
 

@@ -17,9 +17,9 @@ from uqfold.checks import instance
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
 from uqfold.methods.arguments import checked_unit
+from uqfold.methods.fitted_kind import ResponseSurface
 from uqfold.methods.kriging import Kriging, KrigingDetails
 from uqfold.methods.polynomial_chaos import PolynomialChaos, PolynomialChaosDetails
-from uqfold.methods.response_surface import ResponseSurface
 from uqfold.methods.result import NO_ANSWER, ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.methods.warped import WarpedSurface

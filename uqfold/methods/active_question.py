@@ -11,12 +11,12 @@ import numpy as np
 from uqfold.methods.base import Task
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE
 from uqfold.system.missions import over_missions
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface_plan import plan_surface
+from uqfold.system.surface_rule import Surface
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 # Points of the integration over the surface at every step of learning: enough to see how much the
@@ -61,12 +61,11 @@ class Answers:
         mean, std
             Posterior mean and standard deviation of the surface there (N,).
         thickness
-            Least standard deviation (C,) with which each level is seen.
+            Least standard deviation (N,) with which levels are seen.
         """
         nearest, values = self._jumps(u)
         for row, criterion in enumerate(self.question.criteria):
-            s = np.maximum(std, thickness[row])
-            values[row] *= normal_density(criterion.threshold, mean, s)
+            values[row] *= normal_density(criterion.threshold, mean, np.maximum(std, thickness))
         for node in np.unique(nearest):
             here = nearest == node
             for row, own in enumerate(self.influences[node]):
@@ -162,18 +161,18 @@ class Question:
         levels = np.unique([c.threshold for c in self.criteria])
         return np.asarray(levels[np.isfinite(levels)])
 
-    def answers(self, process: GaussianProcess) -> Answers:
-        """Integrate the mean surface of a process, coarsely."""
+    def answers(self, mean: Surface) -> Answers:
+        """Integrate over a surface, coarsely."""
         if self.together:
             nothing = np.empty(0)
             single = [
                 Influence(math.nan, c.threshold, flown(c), nothing, nothing) for c in self.criteria
             ]
             return Answers(self, None, np.zeros((1, 0)), [single])
-        rule = plan_surface(process.mean, self.dimension, self.n_shared).rule(_COARSE_POINTS)
+        rule = plan_surface(mean, self.dimension, self.n_shared).rule(_COARSE_POINTS)
         found = [
             influences(response, self.units, self.criteria)
-            for response in rule.responses(process.mean(rule.points))
+            for response in rule.responses(mean(rule.points))
         ]
         failure = np.array([[one.failure for one in at_node] for at_node in found])
         pf = [

@@ -111,7 +111,7 @@ class Outlying:
         std = self.std[:, None]
         wrong = self._wrong(levels) & (np.abs(foretold) > _SURE_Z * std)
         nearer = np.abs(found) < _NEARER * np.abs(foretold)
-        nearer &= np.abs(foretold - found) > _FARTHEST_Z * std
+        nearer &= np.abs(self.mean - self.y)[:, None] > _FARTHEST_Z * std
         return np.asarray((wrong | nearer).any(axis=1) | np.isnan(self.y))
 
     def missed(self, levels: FloatArray) -> BoolArray:

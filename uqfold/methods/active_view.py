@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from uqfold.evaluation import RunningEstimate
-from uqfold.methods.active_question import Answers, Question, flown, normal_density
+from uqfold.methods.active_question import Question, flown
+from uqfold.methods.limit_cloud import limit_cloud
 from uqfold.surrogates.gaussian_process import GaussianProcess
-from uqfold.surrogates.importance_cloud import ImportanceCloud, importance_cloud, resampled
+from uqfold.surrogates.importance_cloud import ImportanceCloud, resampled
 from uqfold.surrogates.learning import Candidates
 from uqfold.surrogates.posterior_covariance import PosteriorCovariance
 from uqfold.typing import FloatArray
@@ -18,13 +19,9 @@ from uqfold.typing import FloatArray
 FARTHEST_BETA = 8.0
 """Reliability indices beyond this are treated as this: 6e-16, no more to be learned there."""
 
-_LAYERS = (1500, 1000, 1000)
 _NODES = 800
 _CANDIDATES = 400
 _FRESH = 8192
-# The level set is seen with at least this thickness, in units of the distance over which the
-# tail probability falls by a factor e: thin enough to be local, thick enough to hold points.
-_THICKNESS = 0.25
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 
 
@@ -68,8 +65,10 @@ class View:
     @classmethod
     def of(cls, process: GaussianProcess, question: Question, rng: np.random.Generator) -> View:
         """Look at a process."""
-        answers = question.answers(process)
-        cloud, influence = _cloud(process, answers, rng)
+        answers = question.answers(process.mean)
+        cloud, influence = limit_cloud(
+            process.mean, process.std, float(process.y.std()), answers, rng
+        )
         pf = _sampled(process, question, cloud, rng) if answers.pf is None else answers.pf
         beta, density = _index(pf)
         weighted = influence * cloud.weights
@@ -139,44 +138,6 @@ def _index(pf: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     beta = np.clip(-ndtri(pf), -FARTHEST_BETA, FARTHEST_BETA)
     return beta, np.exp(-0.5 * beta**2) / _ROOT_TWO_PI
-
-
-def _cloud(
-    process: GaussianProcess, answers: Answers, rng: np.random.Generator
-) -> tuple[ImportanceCloud, FloatArray]:
-    """Cloud that follows the influence of the surface on the answers, and this influence (C, N)."""
-    question = answers.question
-    wide = np.full(len(question.criteria), max(0.1 * float(process.y.std()), 1e-300))
-
-    centre = float(process.mean(np.zeros((1, question.dimension)))[0])
-
-    def wanted(u: FloatArray) -> FloatArray:
-        return answers.influence_at(u, *process.mean_and_std(u), wide)
-
-    def beyond(u: FloatArray) -> FloatArray:
-        return answers.beyond(u, *process.mean_and_std(u), centre)
-
-    # a steep limit is met by few points of a wide layer, what lies beyond it by many
-    cloud = importance_cloud(wanted, question.dimension, rng, _LAYERS, beyond)
-    mean, std = process.mean_and_std(cloud.u)
-    thickness = np.array(
-        [
-            _thickness(criterion.threshold, mean, np.maximum(std, widest), cloud.weights)
-            for criterion, widest in zip(question.criteria, wide, strict=True)
-        ]
-    )
-    thickness = np.clip(thickness, 1e-6 * wide, wide)
-    return cloud, answers.influence_at(cloud.u, mean, std, thickness)
-
-
-def _thickness(threshold: float, mean: FloatArray, std: FloatArray, weights: FloatArray) -> float:
-    """Thickness at which a level is to be seen, in the unit of the response."""
-    from scipy.special import ndtr
-
-    z = (mean - threshold) / std
-    late, early = float(weights @ ndtr(z)), float(weights @ ndtr(-z))
-    density = float(weights @ normal_density(threshold, mean, std))
-    return _THICKNESS * min(late, early) / density if density > 0.0 else math.inf
 
 
 def _sampled(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,15 @@ class DesignRuns:
     def fittable(self) -> bool:
         """Whether there are enough finite responses to fit a surface to."""
         return int(self.finite.sum()) > int(self.u.shape[1]) + 1
+
+    def with_more(self, u: FloatArray, y: FloatArray) -> DesignRuns:
+        """Return the same with further runs that were asked for."""
+        return replace(
+            self,
+            u=np.concatenate([self.u, u]),
+            y=np.concatenate([self.y, y]),
+            asked=self.asked + y.size,
+        )
 
     def without_surface(self, task: Task, of_units: str = "") -> Solution:
         """Answer where hardly any response is finite; if all are the same infinity, it decides.

@@ -11,10 +11,11 @@ from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
-from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
-from uqfold.methods.growing_design import STREAMS, grown
-from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surface_estimates
+from uqfold.methods.fitted_kind import FittedKind, Rival
+from uqfold.methods.growing_design import STREAMS, Learned, grown
+from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
@@ -31,6 +32,7 @@ from uqfold.surrogates.gaussian_process import (
 )
 from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
+from uqfold.surrogates.warping import Warp
 from uqfold.system.surface_rule import MAX_POINTS
 from uqfold.typing import FloatArray, IntArray
 
@@ -158,7 +160,7 @@ class Kriging(SequentialMethod):
 
     def _answered(
         self, task: Task, known: dict[Tried, GaussianProcess], runs: Sequence[DesignRuns]
-    ) -> tuple[Solution, float]:
+    ) -> Learned:
         kinds = [self._kind(task, known, kind, own) for kind, own in enumerate(runs)]
         warp = warp_for(task, runs[0]) if self.warp and self.noise is None else None
         if warp is not None:
@@ -170,20 +172,14 @@ class Kriging(SequentialMethod):
             else:
                 warp = None
         largest = max(own.y.size for own in runs)
+        fitted = [fitted for _, fitted in kinds]
         found = surface_estimates(
-            task, [fitted for _, fitted in kinds], task.generator(1),
+            task, fitted, task.generator(1),
             target_cov=self.target_cov,
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // largest),
             stated_noise=self.noise,
         )  # fmt: skip
-        details = []
-        for surface, fitted in kinds:
-            scatter, validated = float(surface.y.std()), fitted.validated
-            relative = validated.rms / scatter if scatter > 0.0 else 0.0
-            shown = surface if warp is None else WarpedSurface(surface, warp)
-            details.append(KrigingDetails(shown, validated, relative, found.errors))
-        first = replace(details[0], of_other_kinds=tuple(details[1:]))
-        return Solution(found.estimates, first), found.shortfall
+        return Learned(task, fitted, found, partial(_details, kinds, warp), warp)
 
     def _kind(
         self, task: Task, known: dict[Tried, GaussianProcess], kind: int, runs: DesignRuns
@@ -239,6 +235,18 @@ class Kriging(SequentialMethod):
             stopped = f"{len(found)} of {planned} surfaces fitted; {error}"
         found.sort(key=lambda pair: pair[0], reverse=True)
         return [fit for _, fit in found], stopped
+
+
+def _details(
+    kinds: Sequence[tuple[GaussianProcess, FittedKind]], warp: Warp | None, errors: ErrorParts
+) -> KrigingDetails:
+    details = []
+    for surface, fitted in kinds:
+        scatter, validated = float(surface.y.std()), fitted.validated
+        relative = validated.rms / scatter if scatter > 0.0 else 0.0
+        shown = surface if warp is None else WarpedSurface(surface, warp)
+        details.append(KrigingDetails(shown, validated, relative, errors))
+    return replace(details[0], of_other_kinds=tuple(details[1:]))
 
 
 def _trend(

@@ -15,11 +15,12 @@ from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
 from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
-from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
-from uqfold.methods.growing_design import grown
-from uqfold.methods.response_surface import ErrorParts, FittedKind, Rival, surface_estimates
+from uqfold.methods.fitted_kind import FittedKind, Rival
+from uqfold.methods.growing_design import Learned, grown
+from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
@@ -35,6 +36,7 @@ from uqfold.surrogates.polynomial_chaos import (
     fit_basis,
     fit_polynomial_chaos,
 )
+from uqfold.surrogates.warping import Warp
 from uqfold.typing import FloatArray
 
 MAX_GROWN = 2_000
@@ -172,9 +174,11 @@ class PolynomialChaos(SequentialMethod):
         x = affordable_design(task, self.nodes_shared, self.nodes_individual).x
         y = yield x
         runs = DesignRuns(self._standard_nodes(task.problem.inputs, x), y, x.shape[0])
-        return self._answered(task, [runs])[0] if runs.fittable else runs.without_surface(task)
+        if not runs.fittable:
+            return runs.without_surface(task)
+        return self._answered(task, [runs]).solution
 
-    def _answered(self, task: Task, runs: Sequence[DesignRuns]) -> tuple[Solution, float]:
+    def _answered(self, task: Task, runs: Sequence[DesignRuns]) -> Learned:
         kinds = [
             self._fitted(task, inputs, own)
             for inputs, own in zip(task.problem.kinds.inputs, runs, strict=True)
@@ -188,21 +192,13 @@ class PolynomialChaos(SequentialMethod):
             else:
                 warp = None
         rng = task.generator(1) if self.stochastic else np.random.default_rng(0)
+        fitted = [fitted for _, fitted in kinds]
         found = surface_estimates(
-            task, [fitted for _, fitted in kinds], rng,
+            task, fitted, rng,
             target_cov=self.target_cov,
             stepped=self.design == "space-filling",
         )  # fmt: skip
-        details = []
-        for surface, fitted in kinds:
-            validated, scatter = fitted.validated, float(fitted.known.std())
-            relative = validated.rms / scatter if scatter > 0.0 else 0.0
-            shares = surface.sobol_indices()
-            shown = surface if warp is None else WarpedSurface(surface, warp)
-            own = PolynomialChaosDetails(shown, shares, validated, relative, found.errors)
-            details.append(own)
-        first = replace(details[0], of_other_kinds=tuple(details[1:]))
-        return Solution(found.estimates, first), found.shortfall
+        return Learned(task, fitted, found, partial(_details, kinds, warp), warp)
 
     def _fitted(
         self, task: Task, inputs: JointInputs, runs: DesignRuns
@@ -257,6 +253,21 @@ class PolynomialChaos(SequentialMethod):
             *_repeated(self.nodes_shared, inputs.n_shared),
             *_repeated(self.nodes_individual, inputs.n_individual),
         ]
+
+
+def _details(
+    kinds: Sequence[tuple[PolynomialChaosExpansion, FittedKind]],
+    warp: Warp | None,
+    errors: ErrorParts,
+) -> PolynomialChaosDetails:
+    details = []
+    for surface, fitted in kinds:
+        validated, scatter = fitted.validated, float(fitted.known.std())
+        relative = validated.rms / scatter if scatter > 0.0 else 0.0
+        shares = surface.sobol_indices()
+        shown = surface if warp is None else WarpedSurface(surface, warp)
+        details.append(PolynomialChaosDetails(shown, shares, validated, relative, errors))
+    return replace(details[0], of_other_kinds=tuple(details[1:]))
 
 
 def _mean_square(surface: PolynomialChaosExpansion, fitted: FittedKind) -> float:

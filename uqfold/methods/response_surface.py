@@ -9,125 +9,39 @@ stated error.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from functools import lru_cache
 
 import numpy as np
 
 from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
+from uqfold.methods.fitted_kind import DRAWS, FittedKind, HeldOut
 from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.methods.surface_errors import lean, overconfidence, step
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion
-from uqfold.surrogates.common_powers import with_common_powers
 from uqfold.surrogates.cross_validation import LeaveOneOut
-from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_rule import MAX_POINTS, Surface
-from uqfold.typing import FloatArray, IntArray
+from uqfold.typing import FloatArray
 
 CI_KIND = "95 % surrogate"
 
-_DRAWS = 20
 _T95 = 2.093
 """Student's quantile for a spread estimated from 20 draws."""
 _POOR_PREDICTION, _FEW_RUNS = 0.1, 100
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
-# The runs nearest to a threshold, at least so many and this share of all, and how many times
-# their residuals may exceed what the surface states for them by chance.
-_FEWEST_NEAR, _SHARE_NEAR, _BY_CHANCE = 10, 0.1, 1.4
-# Standard errors from which the mean residual near a threshold leans to one side.
-_ONE_SIDED = 1.5
 # Last digit of the responses, in their spread, from which rounding is more than a nuisance.
 _COARSE_DIGITS = 1e-3
-
-
-class ResponseSurface(Protocol):
-    """A fitted surface over standard-normal space."""
-
-    def mean(self, u: FloatArray) -> FloatArray:
-        """Best values (m,) at u (m, d)."""
-        ...
-
-    def sample_paths(self, rng: np.random.Generator, count: int) -> Surface:
-        """Draw `count` plausible surfaces, as one function of u (m, d) with values (count, m)."""
-        ...
-
-    def leave_one_out(self) -> LeaveOneOut:
-        """Return the residuals of cross-validation."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class Rival:
-    """Another surface that the same runs allow.
-
-    Attributes
-    ----------
-    mean
-        Its values (m,) at u (m, d).
-    share
-        How much of the distance between its answers and those of the chosen surface counts as an
-        error of the latter.
-    """
-
-    mean: Surface
-    share: float
-
-    @classmethod
-    def by_prediction(cls, best: ResponseSurface, other: ResponseSurface) -> Rival:
-        """A rival whose distance counts the less, the worse it predicts left-out runs."""
-        own, others = best.leave_one_out().rms, other.leave_one_out().rms
-        return cls(other.mean, min(1.0, own / others) if others > 0.0 else 1.0)
-
-
-@dataclass(frozen=True, eq=False)
-class FittedKind:
-    """What is known of one kind of units.
-
-    Attributes
-    ----------
-    surface
-        Fitted to the finite responses of `runs`.
-    runs
-        The runs.
-    noise
-        Standard deviation of what the model does beside the surface, unit by unit.
-    rivals
-        Other surfaces that the runs allow; the distance of their answers is a part of the stated
-        error.
-    """
-
-    surface: ResponseSurface
-    runs: DesignRuns
-    noise: float = 0.0
-    rivals: Sequence[Rival] = ()
-
-    @property
-    def known(self) -> FloatArray:
-        """The finite responses."""
-        return self.runs.y[self.runs.finite]
-
-    @property
-    def validated(self) -> LeaveOneOut:
-        """Residuals of cross-validation."""
-        return self.surface.leave_one_out()
-
-    def with_common_powers(self) -> FittedKind:
-        """Return the same with one more rival where there are many inputs."""
-        if self.runs.u.shape[1] < MANY_INPUTS:
-            return self
-        fitted = self.runs.u[self.runs.finite], self.known
-        common = with_common_powers(self.surface.mean, *fitted, self.validated.residuals)
-        return replace(self, rivals=[*self.rivals, Rival(common, share=1.0)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,11 +92,14 @@ class SurfaceAnswers:
         Where their stated errors come from.
     shortfall
         How many times its target the largest error is that more runs could reduce.
+    given
+        The same answers when runs held out of the surface of each kind are known.
     """
 
     estimates: list[Estimate]
     errors: ErrorParts
     shortfall: float
+    given: Callable[[Sequence[HeldOut]], SurfaceAnswers]
 
 
 def surface_estimates(
@@ -269,24 +186,30 @@ def _answered(
     parts = [(everything, lay(everything))] if doubts else laid_out_apart(lay, indices, count)
     fitted = [one.with_common_powers() for one in fitted]
     others = _others(fitted, rng)
-    errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
-    found: dict[int, Estimate] = {}
+    answers = []
     for rows, system in parts:
         part = replace(task, criteria=tuple(task.criteria[row] for row in rows))
         floor = None if beta_std is None else beta_std[rows]
-        some, parts_of_error = _answers_of(
-            part, fitted, others, system, doubts, target_cov, floor, stepped
-        )
-        found.update(zip(rows, some, strict=True))
-        for name in ("training", "integration", "sampling"):
-            getattr(errors, name)[rows] = getattr(parts_of_error, name)
-    estimates = [found[row] for row in everything]
-    shortfall = max(
-        *(_missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None),
-        0.0,
-        *(errors.shortfall(row, _smaller(one) * target_cov) for row, one in enumerate(estimates)),
-    )
-    return SurfaceAnswers(estimates, errors, shortfall)
+        own = _answers_of(part, fitted, others, system, doubts, target_cov, floor, stepped)
+        answers.append((rows, own))
+
+    def answered(held: Sequence[HeldOut] = ()) -> SurfaceAnswers:
+        errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
+        found: dict[int, Estimate] = {}
+        for rows, own in answers:
+            some, parts_of_error = own(held)
+            found.update(zip(rows, some, strict=True))
+            for name in ("training", "integration", "sampling"):
+                getattr(errors, name)[rows] = getattr(parts_of_error, name)
+        estimates = [found[row] for row in everything]
+        missed = [
+            _missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None
+        ]
+        targets = [_smaller(one) * target_cov for one in estimates]
+        short = [errors.shortfall(row, target) for row, target in enumerate(targets)]
+        return SurfaceAnswers(estimates, errors, max(*missed, 0.0, *short), answered)
+
+    return answered()
 
 
 def _answers_of(
@@ -298,8 +221,8 @@ def _answers_of(
     target_cov: float,
     beta_std: FloatArray | None,
     stepped: bool,
-) -> tuple[list[Estimate], ErrorParts]:
-    """Answer criteria that are laid out together, and tell where their errors come from."""
+) -> Callable[[Sequence[HeldOut]], tuple[list[Estimate], ErrorParts]]:
+    """Answer criteria that are laid out together: answers and errors, given runs held out."""
     units = SystemUnits.of(task.problem)
     if not doubts and not system.resolved:
         doubts = ["the surface changes too abruptly to be integrated accurately"]
@@ -318,19 +241,29 @@ def _answers_of(
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
     drawn = system.coarse_responses(means, others, outcomes, noise)
 
-    def spread_of(criteria: Sequence[Criterion]) -> FloatArray:
+    @lru_cache
+    def integrated(criteria: tuple[Criterion, ...]) -> tuple[list[SystemProbability], FloatArray]:
         changes = system.changes_given(drawn, criteria)
+        return system.failures_given(responses, criteria), changes
+
+    def spread_of(
+        changes: FloatArray, criteria: Sequence[Criterion], held: Sequence[HeldOut]
+    ) -> FloatArray:
         thresholds = [one.threshold for one in criteria]
+        seen_of_kinds: Sequence[HeldOut | None] = held or [None] * len(fitted)
         # a surface that misses its own runs by more than it says is believed nowhere
         factors = [
             [
-                max(_overconfidence(one.validated, one.known, threshold) for threshold in column)
+                max(
+                    overconfidence(one.validated, one.known, threshold, seen)
+                    for threshold in column
+                )
                 for column in units.thresholds(thresholds, kind).T.tolist()
             ]
-            for kind, one in enumerate(fitted)
+            for kind, (one, seen) in enumerate(zip(fitted, seen_of_kinds, strict=True))
         ]
-        spread = np.max(factors, axis=0) * changes[:_DRAWS].std(axis=0, ddof=1)
-        row = _DRAWS
+        spread = np.max(factors, axis=0) * changes[:DRAWS].std(axis=0, ddof=1)
+        row = DRAWS
         for one in fitted:
             if one.rivals:
                 own = changes[row : row + len(one.rivals)]
@@ -339,42 +272,47 @@ def _answers_of(
                 row += len(one.rivals)
         return np.asarray(spread)
 
-    count = len(task.criteria)
-    errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
+    def given(held: Sequence[HeldOut]) -> tuple[list[Estimate], ErrorParts]:
+        count = len(task.criteria)
+        errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
 
-    def answers(rows: Sequence[int]) -> list[Estimate]:
-        criteria = [task.criteria[row] for row in rows]
-        found = system.failures_given(responses, criteria)
-        spread = spread_of(criteria)
-        if beta_std is not None:
-            spread = np.maximum(spread, beta_std[list(rows)])
-        own = [
-            [*doubts, unresolved] if criterion.tau is not None and criterion.tau < blur else doubts
-            for criterion in criteria
-        ]
-        sides = [_step(fitted, criterion, units) for criterion in criteria if stepped]
-        if any(lean := [_lean(fitted, criterion, units) for criterion in criteria]):
-            moved = [
-                replace(one, threshold=one.threshold - by)
-                for one, by in zip(criteria, lean, strict=True)
+        def answers(rows: Sequence[int]) -> list[Estimate]:
+            criteria = tuple(task.criteria[row] for row in rows)
+            found, changes = integrated(criteria)
+            spread = spread_of(changes, criteria, held)
+            if beta_std is not None:
+                spread = np.maximum(spread, beta_std[list(rows)])
+            own = [
+                [*doubts, unresolved]
+                if criterion.tau is not None and criterion.tau < blur
+                else doubts
+                for criterion in criteria
             ]
-            leant = reliability_indices(system.failures_given(responses, moved))
-            spread = np.hypot(spread, leant - reliability_indices(found))
-        for side in zip(*sides, strict=True):
-            if side == tuple(criteria):
-                continue
-            beyond = reliability_indices(system.failures_given(responses, side))
-            # the border lies somewhere in the step: two standard deviations reach its end
-            spread = np.maximum(spread, 0.5 * np.abs(beyond - reliability_indices(found)))
-        rest = system.integration_errors(responses, criteria)
-        name = "sampling" if responses.parts else "integration"
-        density = _density(reliability_indices(found))
-        errors.training[list(rows)] = density * spread
-        getattr(errors, name)[list(rows)] = density * rest
-        runs = [one.runs for one in fitted]
-        return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
+            sides = [step(fitted, criterion, units) for criterion in criteria if stepped]
+            if any(leant := [lean(fitted, criterion, units, held) for criterion in criteria]):
+                moved = [
+                    replace(one, threshold=one.threshold - by)
+                    for one, by in zip(criteria, leant, strict=True)
+                ]
+                there = reliability_indices(system.failures_given(responses, moved))
+                spread = np.hypot(spread, there - reliability_indices(found))
+            for side in zip(*sides, strict=True):
+                if side == criteria:
+                    continue
+                beyond = reliability_indices(system.failures_given(responses, side))
+                # the border lies somewhere in the step: two standard deviations reach its end
+                spread = np.maximum(spread, 0.5 * np.abs(beyond - reliability_indices(found)))
+            rest = system.integration_errors(responses, criteria)
+            name = "sampling" if responses.parts else "integration"
+            density = _density(reliability_indices(found))
+            errors.training[list(rows)] = density * spread
+            getattr(errors, name)[list(rows)] = density * rest
+            runs = [one.runs for one in fitted]
+            return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
 
-    return estimates_by_blocks(count, answers), errors
+        return estimates_by_blocks(count, answers), errors
+
+    return given
 
 
 def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surface]:
@@ -395,7 +333,7 @@ def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surf
 
         return surfaces
 
-    return [others(kind, one.surface.sample_paths(rng, _DRAWS)) for kind, one in enumerate(fitted)]
+    return [others(kind, one.surface.sample_paths(rng, DRAWS)) for kind, one in enumerate(fitted)]
 
 
 def _smaller(estimate: Estimate) -> float:
@@ -427,64 +365,6 @@ def _poor(runs: DesignRuns) -> float:
 def _density(beta: FloatArray) -> FloatArray:
     """Change of pf for a small one of the reliability index."""
     return np.asarray(np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi))
-
-
-def _overconfidence(validated: LeaveOneOut, y: FloatArray, threshold: float) -> float:
-    """Factor by which residuals exceed what the surface states, near a threshold or everywhere."""
-    near = validated.among(_near(y, threshold))
-    return max(1.0, validated.ratio, near.ratio if near.ratio > _BY_CHANCE else 0.0)
-
-
-def _near(y: FloatArray, threshold: float) -> IntArray:
-    """Runs (k,) whose responses are nearest to a threshold."""
-    count = max(_FEWEST_NEAR, int(_SHARE_NEAR * y.size))
-    return np.argsort(np.abs(y - threshold), kind="stable")[:count]
-
-
-def _lean(fitted: Sequence[FittedKind], criterion: Criterion, units: SystemUnits) -> float:
-    """Mean of what left-out runs near a threshold are missed by, if most to one side; 0 otherwise.
-
-    Beyond the last runs a surface errs to the side to which it misses them.
-    """
-    most = 0.0
-    for kind, one in enumerate(fitted):
-        for threshold in units.thresholds(criterion.threshold, kind).tolist():
-            near = one.validated.residuals[_near(one.known, threshold)]
-            mean, error = float(near.mean()), float(near.std()) / math.sqrt(near.size)
-            if abs(mean) > max(_ONE_SIDED * error, abs(most)):
-                most = mean
-    return most
-
-
-def _step(
-    fitted: Sequence[FittedKind], criterion: Criterion, units: SystemUnits
-) -> tuple[Criterion, Criterion]:
-    """Return a criterion at both ends of the step of the responses in which its threshold lies.
-
-    Different inputs that give the same response to the last bit lie on a plateau, in which a
-    smooth surface bends: where it crosses the threshold says nothing of where the step is. Beside
-    the plateau it bends all along the edge to the same side, by about what left-out runs are
-    missed by, of which twice as much is taken for a step.
-    """
-    low = high = criterion.threshold
-    for kind, one in enumerate(fitted):
-        y = one.known
-        values, counts = np.unique(y, return_counts=True)
-        for threshold in units.thresholds(criterion.threshold, kind).tolist():
-            offset = criterion.threshold - threshold
-            above = int(np.searchsorted(values, threshold, side="right"))
-            ends = [i for i in (above - 1, above) if 0 <= i < values.size]
-            if any(counts[i] > 1 for i in ends):
-                low = min(low, float(values[ends[0]]) + offset)
-                high = max(high, float(values[ends[-1]]) + offset)
-            near = _near(y, threshold)
-            if (counts[np.searchsorted(values, y[near])] > 1).any():
-                bent = 2.0 * one.validated.among(near).rms
-                low, high = (
-                    min(low, criterion.threshold - bent),
-                    max(high, criterion.threshold + bent),
-                )
-    return replace(criterion, threshold=low), replace(criterion, threshold=high)
 
 
 def _estimates(
