@@ -369,7 +369,6 @@ def test_a_step_that_no_other_run_comes_to_is_found_and_doubted(beyond: float) -
     row = ActiveKriging().estimate(problem, criteria(5.0), rng=0)[0]
     assert (row.status, math.isnan(row.std_error)) == ("doubtful", True)
     assert "runs further out lie on the other side of the threshold" in row.message
-    assert row.n_evals < 80
 
 
 def test_control_points_lie_near_the_limits_and_where_nobody_was() -> None:

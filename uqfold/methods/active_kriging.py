@@ -32,7 +32,7 @@ from uqfold.methods.active_view import View
 from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
-from uqfold.methods.fitted_kind import FittedKind, HeldOut, Rival
+from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import Growth, first_runs
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
@@ -40,7 +40,6 @@ from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
-from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.gaussian_process import (
     GaussianProcess,
@@ -332,8 +331,6 @@ class ActiveKriging(SequentialMethod):
             ),
             stated_noise=self.noise,
         )  # fmt: skip
-        if checks and checks[-1].passed:
-            found = found.given([_held_out(surface, checks[-1])])
         estimates = [
             _qualified(estimate, why, _doubts(criterion, surface, checks))
             for criterion, estimate in zip(task.criteria, found.estimates, strict=True)
@@ -357,13 +354,6 @@ class ActiveKriging(SequentialMethod):
         # fewer candidates than wanted leave room for exploration
         known = np.concatenate([runs.u, chosen])
         return np.concatenate([chosen, unvisited(view, known, size - chosen.shape[0], rng)])
-
-
-def _held_out(surface: GaussianProcess, check: Check) -> HeldOut:
-    """Return the finite runs of a check that the surface has not learned from."""
-    seen = np.isfinite(check.residuals)
-    errors = LeaveOneOut(check.residuals[seen], check.std[seen])
-    return HeldOut(surface.mean(check.u[seen]), errors)
 
 
 def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> list[Rival]:

@@ -29,8 +29,9 @@ _LOOKED_AT = 512
 # A half-space beyond the outlying runs holds at most this share of the smallest pf. They contradict
 # a surface that had put them on the other side of a threshold by so many standard deviations.
 _BEYOND, _SURE_Z = 1e-3, 2.0
-# Share of its foretold distance to a threshold within which an outlying run is much nearer to it.
-_NEARER = 0.5
+# Share of its foretold distance to a threshold within which an outlying run is much nearer to it,
+# and stated errors from which that contradicts the surface.
+_NEARER, _CONTRADICTED_Z = 0.5, 5.0
 
 
 @dataclass
@@ -103,23 +104,28 @@ class Outlying:
     def against(self, levels: FloatArray) -> BoolArray:
         """Which runs (m,) lie where the surrogate was sure that they do not, failed ones too.
 
-        That is on the other side of one of the thresholds (L,), or on this side much nearer to it
+        That is on the other side of one of the thresholds (L,), or on this side far nearer to it
         than the surrogate states, which then may have put its limit anywhere between. How far
         beyond a threshold a response lies does not matter to pf.
         """
-        foretold, found = self.mean[:, None] - levels, self.y[:, None] - levels
-        std = self.std[:, None]
-        wrong = self._wrong(levels) & (np.abs(foretold) > _SURE_Z * std)
-        nearer = np.abs(found) < _NEARER * np.abs(foretold)
-        nearer &= np.abs(self.mean - self.y)[:, None] > _FARTHEST_Z * std
-        return np.asarray((wrong | nearer).any(axis=1) | np.isnan(self.y))
+        sure = np.abs(self.mean[:, None] - levels) > _SURE_Z * self.std[:, None]
+        wrong = (self._wrong(levels) & sure) | self._nearer(levels, _CONTRADICTED_Z)
+        return np.asarray(wrong.any(axis=1) | np.isnan(self.y))
 
     def missed(self, levels: FloatArray) -> BoolArray:
-        """Which runs (m,) are against the surrogate, or on another side although it was not sure.
+        """Which runs (m,) would teach where the thresholds (L,) are.
 
-        They would teach where the thresholds (L,) are.
+        They are against the surrogate, or lie on the other side although it was not sure, or nearer
+        than it states.
         """
-        return np.asarray(self.against(levels) | self._wrong(levels).any(axis=1))
+        wrong = self._wrong(levels) | self._nearer(levels, _FARTHEST_Z)
+        return np.asarray(wrong.any(axis=1) | self.against(levels))
+
+    def _nearer(self, levels: FloatArray, least: float) -> BoolArray:
+        """Much nearer to a threshold than foretold, by at least so many stated errors."""
+        foretold, found = self.mean[:, None] - levels, self.y[:, None] - levels
+        surprising = np.abs(self.mean - self.y) > least * self.std
+        return np.asarray((np.abs(found) < _NEARER * np.abs(foretold)) & surprising[:, None])
 
     def _wrong(self, levels: FloatArray) -> BoolArray:
         return np.asarray((self.mean[:, None] > levels) != (self.y[:, None] > levels))

@@ -95,7 +95,7 @@ def _at_limits(
     points = [_none(question.dimension)]
     for row in np.abs(influence) * cloud.weights * within:
         # each point once
-        some = min(count, np.count_nonzero(row))
+        some = min(count, int(np.count_nonzero(row)))
         if some:
             points.append(cloud.u[rng.choice(row.size, some, replace=False, p=row / row.sum())])
     return np.concatenate(points)

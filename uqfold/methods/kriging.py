@@ -90,7 +90,8 @@ class Kriging(SequentialMethod):
         Evaluations, those of all kinds of units together; fewer if the budget allows fewer. More
         than 2,000 are `unsupported`. None: for each kind 100, or five for each input if that is
         more; where a budget is given that allows more, they are doubled as long as the stated error
-        is above its target and this may help.
+        is above its target and this may help, and six more at each of up to three thresholds check
+        the answers.
     trend
         ``constant``, ``linear`` or ``quadratic`` polynomial, or ``pce``: the polynomials that a
         sparse polynomial chaos expansion picks; ``best``: the better of the last two.

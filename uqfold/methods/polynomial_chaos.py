@@ -94,7 +94,8 @@ class PolynomialChaos(SequentialMethod):
         Evaluations of the space-filling designs, those of all kinds of units together; fewer if the
         budget allows fewer. None: for each kind 100, or five for each input if that is more; where
         a budget is given that allows more, they are doubled as long as the stated error is above
-        its target and this may help.
+        its target and this may help, and six more at each of up to three thresholds check the
+        answers.
     sparse
         Whether least-angle regression may leave polynomials out, or all up to the degree stay.
     max_degree

@@ -190,14 +190,14 @@ def _answered(
     for rows, system in parts:
         part = replace(task, criteria=tuple(task.criteria[row] for row in rows))
         floor = None if beta_std is None else beta_std[rows]
-        own = _answers_of(part, fitted, others, system, doubts, target_cov, floor, stepped)
-        answers.append((rows, own))
+        given = _answers_of(part, fitted, others, system, doubts, target_cov, floor, stepped)
+        answers.append((rows, given))
 
     def answered(held: Sequence[HeldOut] = ()) -> SurfaceAnswers:
         errors = ErrorParts(*(np.zeros(count) for _ in range(3)))
         found: dict[int, Estimate] = {}
-        for rows, own in answers:
-            some, parts_of_error = own(held)
+        for rows, given in answers:
+            some, parts_of_error = given(held)
             found.update(zip(rows, some, strict=True))
             for name in ("training", "integration", "sampling"):
                 getattr(errors, name)[rows] = getattr(parts_of_error, name)
