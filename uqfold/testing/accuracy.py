@@ -138,12 +138,12 @@ def check_scale_and_shift(method: ReliabilityMethod, settings: Settings) -> None
         individual=plain.inputs.marginals[1:], units=system.units,
         names=plain.inputs.names, low_fidelity=partner,
     )  # fmt: skip
-    for tau in (None, 2.5):
-        first = Criterion(12.0, tau)
-        second = Criterion(scale * 12.0 + shift, None if tau is None else scale * tau)
-        for problem, criterion in ((plain, first), (other, second)):
-            row = method.estimate(problem, criterion, max_evals=settings.max_evals, rng=23)[0]
-            judge(method, row, system.pf(first), settings, f"{criterion}, response rescaled")
+    asked = [Criterion(12.0), Criterion(12.0, 2.5)]
+    rescaled = [Criterion(scale * 12.0 + shift), Criterion(scale * 12.0 + shift, scale * 2.5)]
+    for problem, given in ((plain, asked), (other, rescaled)):
+        result = method.estimate(problem, given, max_evals=settings.max_evals, rng=23)
+        for first, second, row in zip(asked, given, result, strict=True):
+            judge(method, row, system.pf(first), settings, f"{second}, response rescaled")
 
 
 def check_order_of_inputs_does_not_matter(method: ReliabilityMethod, settings: Settings) -> None:
