@@ -139,8 +139,8 @@ def check_scale_and_shift(method: ReliabilityMethod, settings: Settings) -> None
         names=plain.inputs.names, low_fidelity=partner,
     )  # fmt: skip
     asked = [Criterion(12.0), Criterion(12.0, 2.5)]
-    rescaled = [Criterion(scale * 12.0 + shift), Criterion(scale * 12.0 + shift, scale * 2.5)]
-    for problem, given in ((plain, asked), (other, rescaled)):
+    scaled = [Criterion(scale * 12.0 + shift), Criterion(scale * 12.0 + shift, scale * 2.5)]
+    for problem, given in ((plain, asked), (other, scaled)):
         result = method.estimate(problem, given, max_evals=settings.max_evals, rng=23)
         for first, second, row in zip(asked, given, result, strict=True):
             judge(method, row, system.pf(first), settings, f"{second}, response rescaled")
