@@ -761,6 +761,10 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.Automatic": Call(
             methods.Automatic, {"target_cov": number(), "check_runs": count().also("zero")}
         ),
+        "methods.ImportanceSampling": Call(
+            methods.ImportanceSampling,
+            {"samples": optional(count(100)), "target_cov": optional(number())},
+        ),
         "methods.SubsetSimulation": Call(
             methods.SubsetSimulation,
             {

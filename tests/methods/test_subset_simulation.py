@@ -195,7 +195,7 @@ def test_asked_and_told_gives_the_same_answer() -> None:
         x = session.ask()
         session.tell(x, linear(x))
     told, own = session.result(), method.estimate(problem, Criterion(3.0), max_evals=3_000, rng=11)
-    assert replace(told[0], seconds=0.0) == replace(own[0], seconds=0.0)
+    assert (told[0].pf, told[0].ci_high) == (own[0].pf, own[0].ci_high)
 
 
 def test_rounds_before_the_end_of_time_are_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:

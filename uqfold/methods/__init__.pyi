@@ -19,6 +19,7 @@ from uqfold.methods.factorial_outer import GaussOuter as GaussOuter, RefinedOute
 from uqfold.methods.ffni import FFNI as FFNI
 from uqfold.methods.ffni_pearson import FFNIPearson as FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint as FFNISaddlepoint
+from uqfold.methods.importance_sampling import ImportanceSampling as ImportanceSampling
 from uqfold.methods.kriging import Kriging as Kriging
 from uqfold.methods.monte_carlo import MonteCarlo as MonteCarlo
 from uqfold.methods.multifidelity_monte_carlo import (

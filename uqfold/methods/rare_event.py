@@ -101,6 +101,8 @@ class RareEventMethod(SequentialMethod):
     What is left of `max_evals` is split into equal shares for the sets that are left.
     """
 
+    each_alone: ClassVar[bool] = False
+    """Whether every criterion has runs of its own."""
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
@@ -126,15 +128,15 @@ class RareEventMethod(SequentialMethod):
         session = task.session
         groups: dict[tuple[Missions, int | None], list[int]] = {}
         for i, criterion in enumerate(task.criteria):
-            alone = None if criterion.tau is None else i
+            alone = i if self.each_alone or criterion.tau is not None else None
             groups.setdefault((criterion.missions, alone), []).append(i)
         answers: dict[int, Estimate] = {}
         details = []
-        for i, ((_, alone), places) in enumerate(groups.items()):
+        for i, places in enumerate(groups.values()):
             share = RUNS_WITHOUT_A_BUDGET // len(groups)
             if session.max_evals is not None:
                 share = session.remaining // (len(groups) - i)
-            asked = _nested(task, tuple(places), alone, session.n_evals + share)
+            asked = _nested(task, tuple(places), session.n_evals + share)
             try:
                 found, told = yield from self._within(asked, task.generator(i))
                 details.append(told)
@@ -162,9 +164,9 @@ class RareEventMethod(SequentialMethod):
         return answer
 
 
-def _nested(task: Task, places: tuple[int, ...], alone: int | None, most: int) -> NestedCriteria:
+def _nested(task: Task, places: tuple[int, ...], most: int) -> NestedCriteria:
     criteria = tuple(task.criteria[i] for i in places)
-    if alone is None:
+    if criteria[0].tau is None:
         event = SystemEvent(task.problem, Criterion(0.0, missions=criteria[0].missions))
         limits = np.array([criterion.threshold for criterion in criteria])
     else:

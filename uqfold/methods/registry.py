@@ -24,6 +24,7 @@ _BUILT_IN: dict[str, str] = {
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "multifidelity-mc": "uqfold.methods.multifidelity_monte_carlo:MultifidelityMonteCarlo",
     "subset-simulation": "uqfold.methods.subset_simulation:SubsetSimulation",
+    "importance-sampling": "uqfold.methods.importance_sampling:ImportanceSampling",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
     "auto": "uqfold.methods.automatic:Automatic",

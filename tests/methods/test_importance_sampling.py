@@ -1,0 +1,201 @@
+"""Importance sampling: densities that are ones, right far out, and doubts where it cannot know."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ndtr, ndtri
+
+from uqfold.inputs import normal
+from uqfold.methods import ImportanceSampling
+from uqfold.methods.direction_mixture import DirectionMixture, FitError
+from uqfold.methods.importance_search import WeightedSamples
+from uqfold.methods.repetitions import Repetitions
+from uqfold.methods.weighted_sums import WeightedSums
+from uqfold.problems import Problem
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.testing import LinearNormalSystem
+from uqfold.typing import FloatArray, Model
+
+METHOD = ImportanceSampling()
+
+
+def standard_normal(model: Model, dimension: int = 2) -> Problem:
+    return Problem(model, individual={f"u{i}": normal(0.0, 1.0) for i in range(dimension)})
+
+
+def linear(x: FloatArray) -> FloatArray:
+    return x.sum(axis=1) / math.sqrt(x.shape[1])
+
+
+@pytest.mark.parametrize("d", [2, 3, 40, 200])
+def test_mixture_is_drawn_from_its_own_density(d: int) -> None:
+    """Weighted samples of it have the mass and the second moment of the standard normal law."""
+    mixture = DirectionMixture(
+        shares=np.array([0.6, 0.4]),
+        directions=np.eye(2, d),
+        kappa=np.array([0.3 * d, 1e-3]),
+        shape=np.array([0.55, 0.45]) * d,
+        spread=np.array([1.05, 1.0]) * d,
+    )
+    u = mixture.draw(10_000, np.random.default_rng(1))
+    weights = np.exp(-mixture.log_ratio(u))
+    for value, mean in ((weights, 1.0), (weights * u[:, 0] ** 2, 1.0), (weights * u[:, 1], 0.0)):
+        assert abs(value.mean() - mean) < 4.5 * value.std() / 100.0
+
+
+def test_fit_finds_as_many_directions_as_there_are() -> None:
+    rng = np.random.default_rng(2)
+    centres = np.array([[5.0, 0.0, 0.0], [0.0, -5.0, 0.0]])
+    u = centres[rng.integers(0, 2, 600)] + 0.4 * rng.standard_normal((600, 3))
+    fitted = DirectionMixture.fitted(u, np.ones(600), np.arange(600) % 2 == 0, rng)
+    towards = fitted.directions @ (centres.T / 5.0)
+    assert towards.max(axis=0).min() > 0.99
+    in_many = rng.standard_normal((300, 50)) + 4.0 * np.eye(1, 50)
+    alone = DirectionMixture.fitted(in_many, np.ones(300), np.arange(300) % 2 == 0, rng)
+    assert alone.shares.size == 1
+    with pytest.raises(FitError, match="3 failures are too few"):
+        DirectionMixture.fitted(u[:3], np.ones(3), np.array([True, False, True]), rng)
+
+
+@pytest.mark.parametrize(
+    ("pf", "dimension", "runs"),
+    [(0.9, 2, 2_000), (1e-4, 1, 6_000), (1e-9, 2, 12_000), (1e-6, 60, 15_000)],
+)
+def test_right_from_frequent_to_rare(pf: float, dimension: int, runs: int) -> None:
+    limit = Criterion(-float(ndtri(pf)))
+    row = METHOD.estimate(standard_normal(linear, dimension), limit, max_evals=runs, rng=1)[0]
+    assert row.n_evals <= runs
+    assert row.std_error < 0.2 * pf
+    assert abs(row.pf - pf) < 4.0 * row.std_error
+    assert row.pf + row.reliability == pytest.approx(1.0)
+
+
+def test_two_regions_are_both_found() -> None:
+    def height(x: FloatArray) -> FloatArray:
+        return np.maximum(x[:, 0] - 0.5, -x[:, 1])
+
+    row = METHOD.estimate(standard_normal(height), Criterion(3.5), max_evals=10_000, rng=3)[0]
+    exact = -math.expm1(math.log1p(-ndtr(-4.0)) + math.log1p(-ndtr(-3.5)))
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.4 * exact
+
+
+def test_jump_is_answered_and_step_is_doubtful_with_an_upper_bound() -> None:
+    def jumping(x: FloatArray) -> FloatArray:
+        rising = x[:, 0] / (8.0 + np.abs(x[:, 0]))
+        return np.where(x[:, 0] > -ndtri(1e-7), 10.0, rising)
+
+    row = METHOD.estimate(standard_normal(jumping), Criterion(1.0), max_evals=12_000, rng=4)[0]
+    assert abs(row.pf - 1e-7) < 4.0 * row.std_error
+    step = standard_normal(lambda x: (x[:, 0] > 5.0).astype(float))
+    row = METHOD.estimate(step, Criterion(0.5), max_evals=5_000, rng=4)[0]
+    assert (row.pf, row.ci_low, row.status) == (0.0, 0.0, "doubtful")
+    assert ndtr(-5.0) < row.ci_high < 1e-3
+    assert "rises no further" in row.message
+
+
+def test_under_tau() -> None:
+    system, criterion = LinearNormalSystem(units=2, shared_std=0.5), Criterion(15.0, tau=5.0)
+    row = METHOD.estimate(system.problem(), criterion, max_evals=20_000, rng=5)[0]
+    assert abs(row.pf - system.pf(criterion)) < 4.0 * row.std_error < row.pf
+
+
+def test_directions_that_were_lost_are_a_doubt() -> None:
+    """Eight units fail in eight directions; a density of fewer was sure of a third of pf."""
+    system, criterion = LinearNormalSystem(units=2), Criterion(14.0, missions=Binomial(4, 0.4))
+    row = METHOD.estimate(system.problem(), criterion, max_evals=15_000, rng=5)[0]
+    assert row.n_evals <= 15_000
+    assert row.status == "doubtful"
+    lost = sums(np.where(np.arange(4_000) % 2 == 0, 1e-6, 0.0))
+    alone = lost.estimate(0.1, Repetitions(np.full(8, 5e-7)), 0.25, [])
+    assert alone.status == "doubtful"
+    assert "25 % of the failures that the climbs found" in alone.message
+
+
+def test_failed_runs_far_out_are_bounded() -> None:
+    def lost(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 1] > 2.0, np.nan, x[:, 0])
+
+    problem = standard_normal(lost)
+    row = METHOD.estimate(problem, Criterion(3.0), max_evals=20_000, rng=6)[0]
+    assert row.status == "doubtful"
+    assert row.pf_low == pytest.approx(ndtr(-3.0) * ndtr(2.0), rel=0.4)
+    assert row.pf_high == row.pf
+    assert row.pf == pytest.approx(ndtr(-2.0) + ndtr(-3.0), rel=0.2)
+
+
+def test_each_criterion_has_runs_of_its_own() -> None:
+    problem = standard_normal(linear)
+    rows = METHOD.estimate(problem, criteria([3.0, 4.0, math.inf]), max_evals=15_000, rng=7)
+    assert rows.n_evals <= 15_000
+    for row in rows.rows[:2]:
+        assert abs(row.pf - ndtr(-row.threshold)) < 4.0 * row.std_error < 0.2 * row.pf
+    assert (rows[2].pf, rows[2].status) == (0.0, "doubtful")
+    told = rows.details.sets[0]
+    assert told.components >= 1
+    assert told.alike > 100.0
+
+
+def test_samples_and_target_say_when_to_stop() -> None:
+    problem, asked = standard_normal(linear), Criterion(3.5)
+    few = replace(METHOD, samples=500).estimate(problem, asked, rng=8)
+    assert few.details.sets[0].samples == 500
+    early = replace(METHOD, target_cov=0.1).estimate(problem, asked, max_evals=10**6, rng=8)[0]
+    assert early.status == "converged"
+    assert early.n_evals < 50_000
+    short = replace(METHOD, samples=10**6).estimate(problem, asked, max_evals=8_000, rng=8)[0]
+    assert short.status == "budget_exhausted"
+    assert "of 1000000 samples" in short.message
+
+
+def test_asked_and_told_gives_the_same_answer() -> None:
+    problem, asked = standard_normal(linear), Criterion(3.0)
+    session = METHOD.start(problem, asked, max_evals=3_000, rng=9)
+    while not session.done:
+        x = session.ask()
+        session.tell(x, linear(x))
+    told, own = session.result(), METHOD.estimate(problem, asked, max_evals=3_000, rng=9)
+    assert (told[0].pf, told[0].ci_high) == (own[0].pf, own[0].ci_high)
+
+
+def sums(weights: FloatArray) -> WeightedSums:
+    own, fails = WeightedSums(), weights > 0.0
+    own.add(WeightedSamples(np.zeros((len(weights), 2)), weights, fails, fails))
+    return own
+
+
+def test_one_heavy_sample_is_a_doubt() -> None:
+    weights = np.where(np.arange(4_000) % 2 == 0, 1e-6, 0.0)
+    even = sums(weights).estimate(0.1, Repetitions(np.full(8, 5e-7)), 0.0, [])
+    assert even.status == "converged"
+    weights[0] = 2e-4
+    heavy = sums(weights).estimate(0.1, Repetitions(np.full(8, 5e-7)), 0.0, [])
+    assert heavy.status == "doubtful"
+    assert "one sample makes 9 % of pf" in heavy.message
+    assert heavy.ci_high - heavy.pf > heavy.pf - heavy.ci_low
+
+
+def test_climbs_that_found_more_are_a_doubt() -> None:
+    """A density that has lost one of two regions is sure of itself; the climbs are not."""
+    found = sums(np.where(np.arange(4_000) % 2 == 0, 1e-6, 0.0))
+    climbs = Repetitions(5e-6 * np.array([0.7, 0.9, 1.0, 1.1, 1.3, 0.8, 1.2, 1.0]))
+    row = found.estimate(0.1, climbs, 0.0, [])
+    assert row.status == "doubtful"
+    assert "the first climbs found 5e-06" in row.message
+
+
+@pytest.mark.slow
+def test_intervals_hold_in_1000_seeds() -> None:
+    """95 % within what a one-sided binomial test at 0.1 % lets pass."""
+    from scipy.stats import binom
+
+    problem, pf = standard_normal(linear, 10), 1e-6
+    rows = [
+        METHOD.estimate(problem, Criterion(-float(ndtri(pf))), max_evals=10_000, rng=seed)[0]
+        for seed in range(1_000)
+    ]
+    usable = [row for row in rows if row.std_error < 0.2 * row.pf]
+    covered = sum(row.ci_low <= pf <= row.ci_high for row in usable)
+    assert len(usable) > 500
+    assert binom.cdf(covered, len(usable), 0.95) > 1e-3

@@ -1,0 +1,270 @@
+"""Densities over standard-normal space made of directions and distances, to draw rare events from.
+
+A component draws its direction from a von Mises-Fisher law and its distance from the origin from a
+Nakagami law, independent of each other. In many dimensions, where nearly all of the standard normal
+law lies at about the same distance, that leaves weights finite which a shifted normal law spoils.
+
+References
+----------
+Papaioannou I., Geyer S., Straub D. Improved cross entropy-based importance sampling with a
+flexible mixture model. Reliability Engineering and System Safety 191 (2019) 106564.
+Banerjee A., Dhillon I.S., Ghosh J., Sra S. Clustering on the unit hypersphere using von
+Mises-Fisher distributions. Journal of Machine Learning Research 6 (2005) 1345-1382.
+Wood A.T.A. Simulation of the von Mises Fisher distribution. Communications in Statistics -
+Simulation and Computation 23 (1994) 157-164.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uqfold.typing import BoolArray, FloatArray, IntArray
+
+MOST_COMPONENTS = 10
+EM_STEPS = 40
+FEWEST = 5
+"""Points of one half at least."""
+BETTER, MUCH_WORSE = 0.01, 0.25
+"""One component more has to raise the mean log-likelihood of the other half by so much; where it
+lowers it by so much, no more are tried."""
+WIDER = 0.5
+"""In few dimensions components are so much wider than what they are fitted to."""
+MOST_ALIGNED = 0.999
+"""Mean length of unit vectors at most, so that a component is never a single ray."""
+
+
+class FitError(RuntimeError):
+    """No density fits the points."""
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionMixture:
+    """Mixture of K components over d >= 2 standard-normal variables.
+
+    Attributes
+    ----------
+    shares
+        Probabilities (K,).
+    directions
+        Mean directions (K, d), unit vectors.
+    kappa
+        Concentrations (K,) about them; zero: uniform over directions.
+    shape, spread
+        Nakagami parameters m and Omega (K,) of the distance; d/2 and d: standard normal.
+    """
+
+    shares: FloatArray
+    directions: FloatArray
+    kappa: FloatArray
+    shape: FloatArray
+    spread: FloatArray
+
+    def draw(self, size: int, rng: np.random.Generator) -> FloatArray:
+        """Draw points (size, d)."""
+        which = rng.choice(self.shares.size, size, p=self.shares)
+        distance = np.sqrt(rng.gamma(self.shape[which], self.spread[which] / self.shape[which]))
+        u = rng.standard_normal((size, self.directions.shape[1]))
+        for k in range(self.shares.size):
+            own = np.nonzero(which == k)[0]
+            u[own] = _around(self.directions[k], float(self.kappa[k]), u[own], rng)
+        return u * distance[:, None]
+
+    def log_ratio(self, u: FloatArray) -> FloatArray:
+        """Logarithm (n,) of density over that of the standard normal law at points u (n, d)."""
+        from scipy.special import logsumexp
+
+        return np.asarray(logsumexp(self._log_parts(u), axis=0))
+
+    def _log_parts(self, u: FloatArray) -> FloatArray:
+        """Logarithms (K, n) of share times density over that of the standard normal law."""
+        from scipy.special import gammaln, xlogy
+
+        d = u.shape[1]
+        length = np.sqrt((u * u).sum(axis=1))
+        aligned = self.directions @ (u / np.maximum(length, 1e-300)[:, None]).T
+        of_direction = np.array([_log_uniform(d) - _log_bessel(d, k) for k in self.kappa.tolist()])
+        m, omega, square = self.shape[:, None], self.spread[:, None], length**2
+        # distances: Nakagami over chi, both without the factor 2 r
+        nakagami = xlogy(m, m / omega) - gammaln(m) + xlogy(m - 1.0, square) - m * square / omega
+        chi = -0.5 * d * math.log(2.0) - math.lgamma(0.5 * d)
+        chi = chi + xlogy(0.5 * d - 1.0, square) - 0.5 * square
+        logs = np.log(self.shares)[:, None] + of_direction[:, None] + nakagami - chi
+        return np.asarray(logs + self.kappa[:, None] * aligned)
+
+    def joined(self, other: DirectionMixture, share: float) -> DirectionMixture:
+        """Return a mixture of this one and a share of another."""
+        return DirectionMixture(
+            np.concatenate([(1.0 - share) * self.shares, share * other.shares]),
+            *(
+                np.concatenate([getattr(self, name), getattr(other, name)])
+                for name in ("directions", "kappa", "shape", "spread")
+            ),
+        )
+
+    @classmethod
+    def everywhere(cls, u: FloatArray, weights: FloatArray) -> DirectionMixture:
+        """Return uniform directions with the distances of points u (n, d), and the normal law.
+
+        They are half and half: the first sees what else fails at such distances, the second keeps
+        weights bounded.
+        """
+        d = u.shape[1]
+        shape, spread = _distances((u * u).sum(axis=1), weights / weights.sum(), d)
+        return cls(
+            np.array([0.5, 0.5]),
+            np.eye(2, d),
+            np.zeros(2),
+            np.array([shape, 0.5 * d]),
+            np.array([spread, float(d)]),
+        )
+
+    @classmethod
+    def fitted(
+        cls, u: FloatArray, weights: FloatArray, second: BoolArray, rng: np.random.Generator
+    ) -> DirectionMixture:
+        """Fit a mixture to weighted points, with as many components as they bear out.
+
+        What they bear out, one half of them says of a fit to the other.
+
+        Parameters
+        ----------
+        u, weights
+            Points (n, d) and their weights (n,).
+        second
+            Which (n,) belong to the second half; no point has to do with one of the other half.
+        rng
+            Draws where the components begin.
+
+        Raises
+        ------
+        FitError
+            If the points are too few, or all alike.
+        """
+        halves = [second, ~second]
+        if any(np.count_nonzero(half) < FEWEST for half in halves):
+            raise FitError(f"{len(u)} failures are too few to fit a density to")
+        best, highest = None, -math.inf
+        for number in range(1, MOST_COMPONENTS + 1):
+            gained = 0.0
+            for half in halves:
+                found = _maximised(cls, u[half], weights[half], number, rng)
+                if found is None:
+                    return _known(best)
+                other = weights[~half] / weights[~half].sum()
+                gained += 0.5 * float(other @ found.log_ratio(u[~half]))
+            if gained < highest - MUCH_WORSE:
+                break
+            if gained > highest + BETTER:
+                whole = _maximised(cls, u, weights, number, rng)
+                if whole is not None:
+                    best, highest = whole, gained
+        return _known(best)
+
+
+def _known(mixture: DirectionMixture | None) -> DirectionMixture:
+    if mixture is None:
+        raise FitError("no density fits the failures found")
+    return mixture
+
+
+def _maximised(
+    cls: type[DirectionMixture],
+    u: FloatArray,
+    weights: FloatArray,
+    number: int,
+    rng: np.random.Generator,
+) -> DirectionMixture | None:
+    """Fit so many components by expectation and maximisation; None if one of them dies out."""
+    d, weights = u.shape[1], weights / weights.sum()
+    square = (u * u).sum(axis=1)
+    unit = u / np.maximum(np.sqrt(square), 1e-300)[:, None]
+    near = np.eye(number)[_nearest(unit, weights, number, rng)].T
+    mixture = None
+    for _ in range(EM_STEPS if number > 1 else 1):
+        mass = near * weights
+        shares = mass.sum(axis=1)
+        if np.any(shares < 1e-3):
+            return None
+        resultant = mass @ unit / shares[:, None]
+        length = np.sqrt((resultant**2).sum(axis=1))
+        directions = resultant / np.maximum(length, 1e-300)[:, None]
+        length = np.minimum(length, MOST_ALIGNED)
+        distances = [_distances(square, own / own.sum(), d) for own in mass]
+        mixture = cls(
+            shares / shares.sum(),
+            directions,
+            length * (d - length**2) / (1.0 - length**2) / (1.0 + WIDER / (d - 1.0)),
+            np.array([shape for shape, _ in distances]),
+            np.array([spread for _, spread in distances]),
+        )
+        logs = mixture._log_parts(u)
+        near = np.exp(logs - logs.max(axis=0))
+        near /= near.sum(axis=0)
+    return mixture
+
+
+def _nearest(
+    unit: FloatArray, weights: FloatArray, number: int, rng: np.random.Generator
+) -> IntArray:
+    """Divide directions (n, d) among so many of them that lie far apart."""
+    centres = unit[rng.choice(len(unit), p=weights)][None, :]
+    for _ in range(number - 1):
+        apart = np.maximum(1.0 - (unit @ centres.T).max(axis=1), 0.0) * weights
+        if not apart.sum() > 0.0:
+            break
+        centres = np.vstack([centres, unit[rng.choice(len(unit), p=apart / apart.sum())]])
+    return np.asarray((unit @ centres.T).argmax(axis=1))
+
+
+def _distances(square: FloatArray, weights: FloatArray, d: int) -> tuple[float, float]:
+    """Nakagami m and Omega of squared distances (n,), by moments."""
+    spread = float(weights @ square)
+    variance = float(weights @ (square - spread) ** 2)
+    return spread**2 / max(variance, 1e-3 * spread**2 / d), spread
+
+
+def _around(
+    direction: FloatArray, kappa: float, normal: FloatArray, rng: np.random.Generator
+) -> FloatArray:
+    """Turn normal points (n, d) into von Mises-Fisher directions (n, d), after Wood."""
+    n, d = normal.shape
+    b = (d - 1.0) / (2.0 * kappa + math.hypot(2.0 * kappa, d - 1.0))
+    x = (1.0 - b) / (1.0 + b)
+    c = kappa * x + (d - 1.0) * math.log1p(-x * x)
+    cosine = np.empty(n)
+    left = np.arange(n)
+    while left.size:
+        z = rng.beta(0.5 * (d - 1.0), 0.5 * (d - 1.0), left.size)
+        w = (1.0 - (1.0 + b) * z) / (1.0 - (1.0 - b) * z)
+        level = np.log(np.maximum(rng.random(left.size), 1e-300))
+        taken = kappa * w + (d - 1.0) * np.log1p(-x * w) - c >= level
+        cosine[left[taken]] = w[taken]
+        left = left[~taken]
+    aside = normal - np.outer(normal @ direction, direction)
+    aside /= np.maximum(np.sqrt((aside**2).sum(axis=1)), 1e-300)[:, None]
+    sine = np.sqrt(np.maximum(0.0, 1.0 - cosine**2))
+    return np.asarray(cosine[:, None] * direction + sine[:, None] * aside)
+
+
+def _log_uniform(d: int) -> float:
+    """Logarithm of 1 / (Gamma(d/2) (1/2)^(d/2 - 1)), the Bessel part at kappa = 0."""
+    return -math.lgamma(0.5 * d) - (0.5 * d - 1.0) * math.log(2.0)
+
+
+def _log_bessel(d: int, kappa: float) -> float:
+    """Logarithm of I_nu(kappa) / kappa^nu with nu = d/2 - 1."""
+    from scipy.special import gammaln, ive, logsumexp
+
+    nu = 0.5 * d - 1.0
+    scaled = float(ive(nu, kappa))
+    if kappa > 0.0 and scaled > 1e-280:
+        return math.log(scaled) + kappa - nu * math.log(kappa)
+    # its series, whose largest terms come before k = kappa
+    k = np.arange(50 + int(2.0 * kappa))
+    with np.errstate(divide="ignore"):
+        powers = np.where(k > 0, 2.0 * k * np.log(0.5 * kappa) if kappa > 0.0 else -np.inf, 0.0)
+    terms = powers - gammaln(k + 1.0) - gammaln(k + nu + 1.0)
+    return float(logsumexp(terms)) - nu * math.log(2.0)

@@ -1,0 +1,170 @@
+"""The density that rare failures are drawn from: found by climbs, then fitted round by round."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from uqfold.methods.direction_mixture import DirectionMixture, FitError
+from uqfold.methods.rare_event import NestedCriteria, Running
+from uqfold.methods.subset_climb import Pilot, climbs
+from uqfold.methods.system_sample import BLOCK_VALUES
+from uqfold.typing import BoolArray, FloatArray
+
+CLIMBS, FEWEST_CLIMBS = 8, 2
+"""Independent climbs that find failures to begin with: most and fewest."""
+PART_OF_CLIMBS, SMALLEST_CLIMB, LARGEST_CLIMB = 5, 100, 250
+"""They take one part in so many of the budget; least and most samples of one at each level."""
+ROUNDS, PART_OF_ROUND, SMALLEST_ROUND, LARGEST_ROUND = 6, 40, 200, 2_000
+"""Rounds of fitting, each one part in so many of the budget; least and most samples of one."""
+FEWEST_HITS = 25
+"""With fewer failures than this in a round the density stays as it is."""
+GOOD = 0.3
+"""With so many equally weighted samples in each one drawn, the density is good enough."""
+CLIPPED = 1.0
+"""In a round of n samples, so many times the root of n of the largest weights are made equal."""
+ELSEWHERE = 0.1
+"""Share of the samples that do not follow the failures found."""
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedSamples:
+    """Samples and what each counts.
+
+    Attributes
+    ----------
+    u
+        Standard-normal variables (n, d), one more if there is a single one.
+    weights
+        Density of the standard normal law (n,) over that which they were drawn from.
+    low, high
+        Which fail (n,), failed runs counted as safe, and as failures.
+    """
+
+    u: FloatArray
+    weights: FloatArray
+    low: BoolArray
+    high: BoolArray
+
+
+@dataclass(eq=False)
+class ImportanceSearch:
+    """A density that follows the failures of one criterion, as far as it is known.
+
+    Attributes
+    ----------
+    asked
+        The criterion.
+    rng
+        Source of randomness.
+    cost
+        Runs of one sample, as measured last.
+    mixture
+        The density; None: that of the inputs.
+    components
+        How many of its components follow failures.
+    climbs
+        Estimates of pf (R,) by the climbs.
+    rounds
+        Share of equally weighted samples in each round.
+    witnesses
+        Failures (n, d) that the climbs found, and their shares (n,) in all failures.
+    """
+
+    asked: NestedCriteria
+    rng: np.random.Generator
+    cost: float
+    mixture: DirectionMixture | None = None
+    components: int = 0
+    climbs: FloatArray = field(default_factory=lambda: np.empty(0))
+    rounds: list[float] = field(default_factory=list)
+    witnesses: tuple[FloatArray, FloatArray] | None = None
+
+    @property
+    def affordable(self) -> int:
+        """Samples that the runs that are left pay for."""
+        return int(self.asked.left / self.cost)
+
+    @property
+    def most_at_once(self) -> int:
+        """Samples that fit into memory side by side."""
+        return max(1, BLOCK_VALUES // self.asked.event.dimension)
+
+    def drawn(self, size: int) -> Running[WeightedSamples]:
+        """Draw samples from the density and run them."""
+        dimension, before = self.asked.event.dimension, self.asked.session.n_evals
+        if self.mixture is None:
+            u, weights = self.rng.standard_normal((size, dimension)), np.ones(size)
+        else:
+            u = self.mixture.draw(size, self.rng)
+            weights = np.exp(-self.mixture.log_ratio(u))
+        heights = yield from self.asked.heights(u[:, :dimension])
+        self.cost = max(1.0, (self.asked.session.n_evals - before) / size)
+        low, high = (self.asked.fail(one)[0] for one in heights)
+        return WeightedSamples(u, weights, low, high)
+
+    def find(self, pilot: Pilot) -> Running[str]:
+        """Find failures by climbs over the levels of a pilot, and fit the density to them.
+
+        Return why there is none, or nothing.
+        """
+        limit = replace(pilot.levels[-1], height=float(self.asked.limits[0]))
+        rungs = (*pilot.levels, limit)
+        samples = self.affordable // (PART_OF_CLIMBS * (len(rungs) + 1))
+        number = min(max(samples // SMALLEST_CLIMB, FEWEST_CLIMBS), CLIMBS)
+        size = min(max(samples // number, SMALLEST_CLIMB), LARGEST_CLIMB)
+        size = min(size, max(1, self.most_at_once // number))
+        made = yield from climbs(self.asked, rungs, number, size, self.rng, keep=True)
+        self.climbs = made.high[:, 0]
+        top = made.kept[-1]
+        u, rows = top.u, len(top.u)
+        if u.shape[1] == 1:
+            u = np.hstack([u, self.rng.standard_normal((rows, 1))])
+        arrived = np.bincount(top.climb, minlength=number) > 0
+        if np.count_nonzero(arrived) > 1:
+            # no climb is in both halves
+            second = np.cumsum(arrived)[top.climb] % 2 == 0
+        else:
+            second = self.rng.random(rows) < 0.5
+        shares = self.climbs[top.climb] / np.bincount(top.climb)[top.climb]
+        self.witnesses = u, shares / shares.sum()
+        try:
+            self._fit(u, np.ones(rows), second)
+        except FitError as error:
+            return str(error)
+        return ""
+
+    def overlooked(self, largest: float) -> float:
+        """Return the share of failures known from the climbs where samples are too rare.
+
+        There a sample would weigh more than the largest of those that were drawn.
+        """
+        if self.witnesses is None or self.mixture is None:
+            return 0.0
+        u, shares = self.witnesses
+        return float(shares[np.exp(-self.mixture.log_ratio(u)) > largest].sum())
+
+    def refine(self) -> Running[None]:
+        """Fit the density to weighted samples drawn from it, until they are about alike."""
+        size = min(max(self.affordable // PART_OF_ROUND, SMALLEST_ROUND), LARGEST_ROUND)
+        size = min(size, self.most_at_once)
+        for _ in range(ROUNDS):
+            if self.affordable < 3 * size:
+                break
+            found = yield from self.drawn(size)
+            weights = found.weights[found.high]
+            alike = weights.sum() ** 2 / np.sum(weights**2) if weights.size else 0.0
+            self.rounds.append(float(alike) / size)
+            if alike > GOOD * size or weights.size < FEWEST_HITS:
+                break
+            # the largest weights of few samples say more of chance than of the failures
+            clipped = min(weights.size - 1, int(CLIPPED * math.sqrt(size)))
+            weights = np.minimum(weights, np.sort(weights)[::-1][clipped])
+            self._fit(found.u[found.high], weights, self.rng.random(weights.size) < 0.5)
+
+    def _fit(self, u: FloatArray, weights: FloatArray, second: BoolArray) -> None:
+        fitted = DirectionMixture.fitted(u, weights, second, self.rng)
+        self.components = fitted.shares.size
+        self.mixture = fitted.joined(DirectionMixture.everywhere(u, weights), ELSEWHERE)
