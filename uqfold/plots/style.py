@@ -38,7 +38,7 @@ _FIXED = {
     "mc": MethodStyle("#009E73", "^"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "multifidelity-mc": MethodStyle("#117733", "p"),
-    "subset-simulation": MethodStyle("#8A3324", "1"),
+    "subset-simulation": MethodStyle("#5D3A9B", ">"),
     "importance-sampling": MethodStyle("#2F6B8A", "2"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
