@@ -9,8 +9,8 @@ from scipy.special import ndtr, ndtri
 
 from uqfold.inputs import normal
 from uqfold.methods import ImportanceSampling
-from uqfold.methods.direction_mixture import DirectionMixture, FitError
 from uqfold.methods.importance_search import WeightedSamples
+from uqfold.methods.polar_mixture import FitError, PolarMixture
 from uqfold.methods.repetitions import Repetitions
 from uqfold.methods.weighted_sums import WeightedSums
 from uqfold.problems import Problem
@@ -32,7 +32,7 @@ def linear(x: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("d", [2, 3, 40, 200])
 def test_mixture_is_drawn_from_its_own_density(d: int) -> None:
     """Weighted samples of it have the mass and the second moment of the standard normal law."""
-    mixture = DirectionMixture(
+    mixture = PolarMixture(
         shares=np.array([0.6, 0.4]),
         directions=np.eye(2, d),
         kappa=np.array([0.3 * d, 1e-3]),
@@ -49,14 +49,14 @@ def test_fit_finds_as_many_directions_as_there_are() -> None:
     rng = np.random.default_rng(2)
     centres = np.array([[5.0, 0.0, 0.0], [0.0, -5.0, 0.0]])
     u = centres[rng.integers(0, 2, 600)] + 0.4 * rng.standard_normal((600, 3))
-    fitted = DirectionMixture.fitted(u, np.ones(600), np.arange(600) % 2 == 0, rng)
+    fitted = PolarMixture.fitted(u, np.ones(600), np.arange(600) % 2 == 0, rng)
     towards = fitted.directions @ (centres.T / 5.0)
     assert towards.max(axis=0).min() > 0.99
     in_many = rng.standard_normal((300, 50)) + 4.0 * np.eye(1, 50)
-    alone = DirectionMixture.fitted(in_many, np.ones(300), np.arange(300) % 2 == 0, rng)
+    alone = PolarMixture.fitted(in_many, np.ones(300), np.arange(300) % 2 == 0, rng)
     assert alone.shares.size == 1
     with pytest.raises(FitError, match="3 failures are too few"):
-        DirectionMixture.fitted(u[:3], np.ones(3), np.array([True, False, True]), rng)
+        PolarMixture.fitted(u[:3], np.ones(3), np.array([True, False, True]), rng)
 
 
 @pytest.mark.parametrize(

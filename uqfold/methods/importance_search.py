@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from uqfold.methods.direction_mixture import DirectionMixture, FitError
+from uqfold.methods.polar_mixture import FitError, PolarMixture
 from uqfold.methods.rare_event import NestedCriteria, Running
 from uqfold.methods.subset_climb import Pilot, climbs
 from uqfold.methods.system_sample import BLOCK_VALUES
@@ -76,7 +76,7 @@ class ImportanceSearch:
     asked: NestedCriteria
     rng: np.random.Generator
     cost: float
-    mixture: DirectionMixture | None = None
+    mixture: PolarMixture | None = None
     components: int = 0
     climbs: FloatArray = field(default_factory=lambda: np.empty(0))
     rounds: list[float] = field(default_factory=list)
@@ -123,13 +123,13 @@ class ImportanceSearch:
         if u.shape[1] == 1:
             u = np.hstack([u, self.rng.standard_normal((rows, 1))])
         arrived = np.bincount(top.climb, minlength=number) > 0
-        if np.count_nonzero(arrived) > 1:
-            # no climb is in both halves
-            second = np.cumsum(arrived)[top.climb] % 2 == 0
-        else:
+        # no climb is in both halves, unless hardly one has arrived
+        second = np.cumsum(arrived)[top.climb] % 2 == 0
+        if not 0.1 * rows < np.count_nonzero(second) < 0.9 * rows:
             second = self.rng.random(rows) < 0.5
-        shares = self.climbs[top.climb] / np.bincount(top.climb)[top.climb]
-        self.witnesses = u, shares / shares.sum()
+        if rows:
+            shares = self.climbs[top.climb] / np.bincount(top.climb)[top.climb]
+            self.witnesses = u, shares / shares.sum()
         try:
             self._fit(u, np.ones(rows), second)
         except FitError as error:
@@ -165,6 +165,6 @@ class ImportanceSearch:
             self._fit(found.u[found.high], weights, self.rng.random(weights.size) < 0.5)
 
     def _fit(self, u: FloatArray, weights: FloatArray, second: BoolArray) -> None:
-        fitted = DirectionMixture.fitted(u, weights, second, self.rng)
+        fitted = PolarMixture.fitted(u, weights, second, self.rng)
         self.components = fitted.shares.size
-        self.mixture = fitted.joined(DirectionMixture.everywhere(u, weights), ELSEWHERE)
+        self.mixture = fitted.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)

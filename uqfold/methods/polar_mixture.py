@@ -41,7 +41,7 @@ class FitError(RuntimeError):
 
 
 @dataclass(frozen=True, eq=False)
-class DirectionMixture:
+class PolarMixture:
     """Mixture of K components over d >= 2 standard-normal variables.
 
     Attributes
@@ -94,9 +94,9 @@ class DirectionMixture:
         logs = np.log(self.shares)[:, None] + of_direction[:, None] + nakagami - chi
         return np.asarray(logs + self.kappa[:, None] * aligned)
 
-    def joined(self, other: DirectionMixture, share: float) -> DirectionMixture:
+    def joined(self, other: PolarMixture, share: float) -> PolarMixture:
         """Return a mixture of this one and a share of another."""
-        return DirectionMixture(
+        return PolarMixture(
             np.concatenate([(1.0 - share) * self.shares, share * other.shares]),
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)])
@@ -105,7 +105,7 @@ class DirectionMixture:
         )
 
     @classmethod
-    def everywhere(cls, u: FloatArray, weights: FloatArray) -> DirectionMixture:
+    def everywhere(cls, u: FloatArray, weights: FloatArray) -> PolarMixture:
         """Return uniform directions with the distances of points u (n, d), and the normal law.
 
         They are half and half: the first sees what else fails at such distances, the second keeps
@@ -124,7 +124,7 @@ class DirectionMixture:
     @classmethod
     def fitted(
         cls, u: FloatArray, weights: FloatArray, second: BoolArray, rng: np.random.Generator
-    ) -> DirectionMixture:
+    ) -> PolarMixture:
         """Fit a mixture to weighted points, with as many components as they bear out.
 
         What they bear out, one half of them says of a fit to the other.
@@ -164,19 +164,19 @@ class DirectionMixture:
         return _known(best)
 
 
-def _known(mixture: DirectionMixture | None) -> DirectionMixture:
+def _known(mixture: PolarMixture | None) -> PolarMixture:
     if mixture is None:
         raise FitError("no density fits the failures found")
     return mixture
 
 
 def _maximised(
-    cls: type[DirectionMixture],
+    cls: type[PolarMixture],
     u: FloatArray,
     weights: FloatArray,
     number: int,
     rng: np.random.Generator,
-) -> DirectionMixture | None:
+) -> PolarMixture | None:
     """Fit so many components by expectation and maximisation; None if one of them dies out."""
     d, weights = u.shape[1], weights / weights.sum()
     square = (u * u).sum(axis=1)
