@@ -25,6 +25,9 @@ GOOD = 0.3
 """With so many equally weighted samples in each one drawn, the density is good enough."""
 CLIPPED = 1.0
 """In a round of n samples, so many times the root of n of the largest weights are made equal."""
+FAR_OUT, SPREAD_OUT = 0.15, 6.0
+"""Share of the samples whose distances are spread out, by so many times the variance: failures have
+a longer tail than a Nakagami law of their own variance, and what lies there would not be seen."""
 ELSEWHERE = 0.1
 """Share of the samples that do not follow the failures found."""
 
@@ -167,4 +170,5 @@ class ImportanceSearch:
     def _fit(self, u: FloatArray, weights: FloatArray, second: BoolArray) -> None:
         fitted = PolarMixture.fitted(u, weights, second, self.rng)
         self.components = fitted.shares.size
-        self.mixture = fitted.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)
+        reaching = fitted.joined(replace(fitted, shape=fitted.shape / SPREAD_OUT), FAR_OUT)
+        self.mixture = reaching.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)
