@@ -34,8 +34,10 @@ def test_a_smooth_problem_is_answered_by_a_surface_and_checked_on_the_model() ->
     assert row.pf == pytest.approx(0.0227501319, rel=1e-3)
     assert row.message.startswith("by kriging; subset-simulation found 0.02")
     attempts = result.details.attempts
-    assert [one.n_evals for one in attempts] == [100, result.n_evals - 100]
-    assert result.details.n_evals_of_checks == result.n_evals - 100 <= 2000
+    surface, check = (one.n_evals for one in attempts)
+    assert 100 <= surface < 150
+    assert surface + check == result.n_evals
+    assert result.details.n_evals_of_checks == check <= 2000
 
 
 def test_what_a_surface_doubts_is_simulated_where_the_surface_leaves_it_open() -> None:
@@ -55,6 +57,14 @@ def test_a_bare_step_is_doubtful_and_bounded() -> None:
     row = uqfold.estimate(problem, uqfold.criteria(0.5), rng=1)[0]
     assert row.status == "doubtful"
     assert not row.ci_high < 2.8665e-07
+
+
+def test_a_surface_without_an_error_is_not_believed_against_runs_of_the_model() -> None:
+    """It said 9e-3 of a corner that fails once in ten million runs."""
+    problem = named_problem("genz-corner").problem()
+    row = uqfold.estimate(problem, rng=1)[0]
+    assert row.status == "doubtful"
+    assert row.pf <= row.ci_high < 1e-3
 
 
 def test_a_surface_that_the_model_contradicts_is_not_believed(
@@ -81,7 +91,7 @@ def test_the_budget_is_kept_and_more_runs_are_asked_for() -> None:
     """A small budget leaves nothing for a check; the message says what it would take."""
     result = uqfold.estimate(linear(2.0), max_evals=300, rng=1)
     assert courses(result) == [("kriging", "answer")]
-    assert result.n_evals == 100
+    assert 100 <= result.n_evals < 150
     rough = uqfold.Problem(lambda x: np.round(x.sum(axis=1)), inputs=NORMALS, name="rough")
     row = uqfold.estimate(rough, uqfold.criteria(3.5), max_evals=2500, rng=1)[0]
     assert row.n_evals <= 2500

@@ -231,7 +231,10 @@ class _Course:
             messages = [f"{a.method.name}: {one.message}" for a, one in self._found[row]]
             return Estimate.without_answer("failed", "; ".join(messages))
         own = [pair for pair in told if pair[0].purpose == "answer"] or told
-        attempt, best = min(own, key=lambda pair: _merit(pair[1]))
+        # what states nothing of its error is not believed against an interval
+        bounds = [one for _, one in told if one.states_an_error]
+        possible = [pair for pair in own if not any(_excludes(one, pair[1]) for one in bounds)]
+        attempt, best = min(possible or own, key=lambda pair: _merit(pair[1]))
         others = [pair for pair in told if pair[1] is not best]
         said = [f"{a.method.name} found {_stated(one)}" for a, one in others]
         status = best.status
@@ -251,6 +254,11 @@ def _differ(one: Estimate, two: Estimate) -> bool:
     low, high = (one, two) if one.pf <= two.pf else (two, one)
     open_above, open_below = low.ci_high - low.pf, high.pf - high.ci_low
     return high.pf - low.pf > AGREE / NORMAL_95 * math.hypot(open_above, open_below)
+
+
+def _excludes(bound: Estimate, other: Estimate) -> bool:
+    """Whether an answer without an error lies outside the interval of another."""
+    return not (other.states_an_error or bound.ci_low <= other.pf <= bound.ci_high)
 
 
 def _merit(estimate: Estimate) -> tuple[bool, float]:
