@@ -12,6 +12,7 @@ from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
 from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.importance_sampling import ImportanceSampling
 from uqfold.methods.kriging import Kriging, KrigingDetails
 from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
 from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate, ReliabilityResult
@@ -28,8 +29,11 @@ SURFACE_SHARE, MOST_OF_SURFACE = 3, 600
 FEWEST_OF_SURFACE = 100
 FEWEST_OF_SIMULATION = 1_000
 """With fewer runs left nothing is simulated: the error bar would say nothing."""
-FREQUENT = 0.5
+FREQUENT = 50.0
 """Failures among the runs that are left, from which a surface helps to simulate them."""
+MOST_DIRECTIONS, MOST_ALONE = 4, 3
+"""Units times missions, and criteria, up to which importance sampling is the sampler."""
+SOUND = frozenset({"converged", "budget_exhausted"})
 AGREE = 3.5
 """Joint standard errors by which a surface and its check may differ."""
 
@@ -82,10 +86,10 @@ class Automatic(ReliabilityMethod):
     """One answer without choosing a method.
 
     A Kriging surface answers what it can with a few runs. What it answers within the target is
-    checked by subset simulation on the model itself, which shares nothing with the surface; what
-    it doubts, or answers less sharply, is simulated with all runs that are left. Two answers that
-    contradict each other are never ``converged``, and the message of a row says what was believed
-    and why.
+    checked by simulation of rare events on the model itself, which shares nothing with the surface;
+    what it doubts, or answers less sharply, is simulated with all runs that are left. Two answers
+    that contradict each other are never ``converged``, and the message of a row says what was
+    believed and why.
 
     Attributes
     ----------
@@ -142,21 +146,27 @@ class Automatic(ReliabilityMethod):
             answered = [i for i in everything if course.status(i) == "converged"]
             most = min(self.check_runs, session.remaining)
             if answered and most >= FEWEST_OF_SIMULATION:
-                # one surface answers all of them, and those that differ in T alone cost no more
-                simple = [i for i in answered if task.criteria[i].tau is None]
-                course.ask(SubsetSimulation(), simple or answered[:1], most, "check")
+                checked = course.hardest(answered)
+                sampler = self._simulation(task, checked)
+                course.ask(sampler, checked, most, "check")
             rest = [i for i in everything if i not in answered or course.contradicted(i)]
             partner = _as_partner(found.details, task.problem)
             frequent = [i for i in rest if course.pf(i) * session.remaining > FREQUENT]
             if partner is not None and frequent and session.remaining >= FEWEST_OF_SIMULATION:
-                sampler = MultifidelityMonteCarlo(target_cov=self.target_cov)
-                course.ask(sampler, frequent, session.remaining, "answer", partner)
+                helped = MultifidelityMonteCarlo(target_cov=self.target_cov)
+                course.ask(helped, frequent, session.remaining, "answer", partner)
                 rest = [i for i in rest if course.status(i) != "converged"]
             if rest and session.remaining >= FEWEST_OF_SIMULATION:
-                rare = SubsetSimulation(target_cov=self.target_cov)
-                course.ask(rare, rest, session.remaining, "answer")
+                course.ask(self._simulation(task, rest), rest, session.remaining, "answer")
             answers = [course.answer(i, self.target_cov) for i in everything]
         return Solution(answers, AutomaticDetails(tuple(course.attempts)))
+
+    def _simulation(self, task: Task, rows: Sequence[int]) -> ReliabilityMethod:
+        """Return the sampler: a density cannot be fitted to many directions of failure."""
+        directions = task.problem.n_units * max(task.criteria[i].max_missions for i in rows)
+        if directions <= MOST_DIRECTIONS and len(rows) <= MOST_ALONE:
+            return ImportanceSampling(target_cov=self.target_cov)
+        return SubsetSimulation(target_cov=self.target_cov)
 
 
 @dataclass(frozen=True)
@@ -186,6 +196,7 @@ class _Course:
         self.task = task
         self.attempts: list[MethodTried] = []
         self._found: list[list[tuple[MethodTried, Estimate]]] = [[] for _ in task.criteria]
+        self._sound: list[list[Estimate]] = [[] for _ in task.criteria]
 
     def ask(
         self,
@@ -202,12 +213,16 @@ class _Course:
         with task.session.share(most) as session:
             seed = int(task.generator(len(self.attempts)).integers(2**63))
             own = replace(task, criteria=criteria, session=session, seed=seed)
-            solution = method._solved(own)
+            solution = method._guarded(own, lambda: method._solve(own))
+            estimates = [method._checked(one, session) for one in solution.estimates]
             made = session.n_evals
-        attempt = MethodTried(method, purpose, criteria, tuple(solution.estimates), made)
+        attempt = MethodTried(method, purpose, criteria, tuple(estimates), made)
         self.attempts.append(attempt)
-        for i, estimate in zip(asked, solution.estimates, strict=True):
+        for i, own_view, estimate in zip(asked, solution.estimates, estimates, strict=True):
             self._found[i].append((attempt, estimate))
+            # one that is only wide may speak against another all the same
+            if own_view.status in SOUND and estimate.states_an_error:
+                self._sound[i].append(estimate)
         return solution
 
     def status(self, row: int) -> str:
@@ -221,8 +236,20 @@ class _Course:
 
     def contradicted(self, row: int) -> bool:
         """Whether two answers to a criterion differ by more than their errors allow."""
-        stated = [one for _, one in self._found[row] if one.states_an_error]
-        return any(_differ(one, two) for one in stated for two in stated)
+        sound = self._sound[row]
+        return any(_differ(one, two) for one in sound for two in sound)
+
+    def hardest(self, rows: Sequence[int]) -> list[int]:
+        """Return which of the answers of one surface are to be checked.
+
+        Criteria that differ in T alone, all of them where one sampler answers them together;
+        otherwise the rarest.
+        """
+        criteria, problem = self.task.criteria, self.task.problem
+        simple = [i for i in rows if criteria[i].tau is None] or [*rows]
+        if problem.n_units * max(criteria[i].max_missions for i in simple) > MOST_DIRECTIONS:
+            return simple
+        return [min(simple, key=self.pf)]
 
     def answer(self, row: int, target_cov: float) -> Estimate:
         """Return the best answer to a criterion, and say what it rests on."""

@@ -251,16 +251,6 @@ class ReliabilityMethod(ABC):
         solution = self._guarded(run.task, lambda: self._solve(run.task))
         return self._finished(run, solution, time.perf_counter() - started)
 
-    def _solved(self, task: Task) -> Solution:
-        """Answer the criteria of a task that another method has opened.
-
-        Runs are counted by the session of the task; what the hook raises becomes a status.
-        """
-        found = self._guarded(task, lambda: self._solve(task))
-        return replace(
-            found, estimates=[self._checked(one, task.session) for one in found.estimates]
-        )
-
     def _opened(
         self,
         problem: Problem,
