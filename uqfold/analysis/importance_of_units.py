@@ -152,7 +152,7 @@ def _with_errors(
     fails: FloatArray,
     works: FloatArray,
 ) -> FloatArray:
-    """Those of the numbers that have errors, one column in each row."""
+    """Return those numbers that have errors, one column in each row."""
     found = numbers(fails, works)
     return np.array([found[name] for name in _WITH_ERRORS])
 

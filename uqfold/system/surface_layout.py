@@ -117,6 +117,10 @@ def laid_out(
     return _Choice(each, some, plans, asked, max_points, drawn).between(quadrature)
 
 
+SEARCHED = 16
+"""How many criteria are resolved is looked for to one part in so many of them."""
+
+
 def laid_out_apart(
     lay: Callable[[Sequence[int]], SurfaceSystem],
     indices: Callable[[SurfaceSystem], FloatArray],
@@ -148,7 +152,7 @@ def laid_out_apart(
     resolved, unresolved, best = 1, count, lay(order[:1])
     if not best.resolved:
         return [(list(range(count)), whole)]
-    while unresolved - resolved > 1:
+    while unresolved - resolved > max(1, count // SEARCHED):
         middle = (resolved + unresolved) // 2
         tried = lay(order[:middle])
         if tried.resolved:
