@@ -39,7 +39,7 @@ _FIXED = {
     "conditional-mc": MethodStyle("#332288", "*"),
     "multifidelity-mc": MethodStyle("#117733", "p"),
     "subset-simulation": MethodStyle("#5D3A9B", ">"),
-    "importance-sampling": MethodStyle("#2F6B8A", "2"),
+    "importance-sampling": MethodStyle("#2F6B8A", "8"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
@@ -48,7 +48,7 @@ FURTHER_STYLES = (
     MethodStyle("#8C510A", "h"),
     MethodStyle("#3F9C8D", "d"),
     MethodStyle("#AA4499", "H"),
-    MethodStyle("#666666", "8"),
+    MethodStyle("#666666", "s"),
     MethodStyle("#5A6A00", "^"),
 )
 
