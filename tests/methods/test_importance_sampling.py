@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr, ndtri
 
+from uqfold.comparison import named_problem
 from uqfold.inputs import normal
 from uqfold.methods import ImportanceSampling
 from uqfold.methods.importance_search import WeightedSamples
@@ -199,3 +200,13 @@ def test_intervals_hold_in_1000_seeds() -> None:
     covered = sum(row.ci_low <= pf <= row.ci_high for row in usable)
     assert len(usable) > 500
     assert binom.cdf(covered, len(usable), 0.95) > 1e-3
+
+
+@pytest.mark.parametrize("seed", [1, 3, 5])
+def test_a_budget_too_small_for_climbs_is_an_upper_bound(seed: int) -> None:
+    """It was spent on the way, and the row `failed`."""
+    problem = named_problem("rp28").problem()
+    row = ImportanceSampling().estimate(problem, rng=seed, max_evals=2_000)[0]
+    assert row.status == "doubtful"
+    assert row.pf <= 1.453e-07 <= row.ci_high < 0.01
+    assert "too few to look for failures" in row.message

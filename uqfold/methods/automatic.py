@@ -220,8 +220,10 @@ class _Course:
         self.attempts.append(attempt)
         for i, own_view, estimate in zip(asked, solution.estimates, estimates, strict=True):
             self._found[i].append((attempt, estimate))
-            # one that is only wide may speak against another all the same
-            if own_view.status in SOUND and estimate.states_an_error:
+            # one that is only wide may speak against another all the same, but that of a density
+            # is compared with what found it only where it is not
+            sound = estimate if isinstance(method, ImportanceSampling) else own_view
+            if sound.status in SOUND and estimate.states_an_error:
                 self._sound[i].append(estimate)
         return solution
 

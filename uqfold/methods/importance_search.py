@@ -119,6 +119,8 @@ class ImportanceSearch:
         number = min(max(samples // SMALLEST_CLIMB, FEWEST_CLIMBS), CLIMBS)
         size = min(max(samples // number, SMALLEST_CLIMB), LARGEST_CLIMB)
         size = min(size, max(1, self.most_at_once // number))
+        if number * size * (len(rungs) + 1) > self.affordable:
+            return "the runs that are left are too few to look for failures"
         made = yield from climbs(self.asked, rungs, number, size, self.rng, keep=True)
         self.climbs = made.high[:, 0]
         top = made.kept[-1]
