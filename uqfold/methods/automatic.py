@@ -18,6 +18,7 @@ from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
 from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate, ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.methods.subset_simulation import SubsetSimulation
+from uqfold.methods.weighted_sums import BY_WEIGHTS
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
@@ -220,9 +221,10 @@ class _Course:
         self.attempts.append(attempt)
         for i, own_view, estimate in zip(asked, solution.estimates, estimates, strict=True):
             self._found[i].append((attempt, estimate))
-            # one that is only wide may speak against another all the same, but that of a density
-            # is compared with what found it only where it is not
-            sound = estimate if isinstance(method, ImportanceSampling) else own_view
+            # one that is only wide may speak against another all the same, but the answer of a
+            # density is compared with what found it only where it is not
+            by_density = own_view.ci_kind == BY_WEIGHTS
+            sound = estimate if by_density else own_view
             if sound.status in SOUND and estimate.states_an_error:
                 self._sound[i].append(estimate)
         return solution

@@ -94,7 +94,7 @@ class ImportanceSampling(RareEventMethod):
     -----
     The interval is that of Fay and Feuer (1997) for weighted counts. A frequent failure is counted
     without weights. The row is ``doubtful`` where no failure is found, where one sample makes more
-    than a twentieth of pf, or where the answer does not agree with that of the climbs. A system of
+    than a fiftieth of pf, or where the answer does not agree with that of the climbs. A system of
     half a million random numbers or more is ``unsupported``.
     """
 

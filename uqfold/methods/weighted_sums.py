@@ -11,7 +11,9 @@ from uqfold.methods.partner_sums import weighted_count
 from uqfold.methods.repetitions import Repetitions
 from uqfold.methods.result import Estimate, Status
 
-HEAVY = 0.05
+BY_WEIGHTS = "gamma 95 %"
+"""What the interval of weighted samples is."""
+HEAVY = 0.02
 """One sample that makes more than this of pf says that there are others like it, not seen."""
 OVERLOOKED = 0.03
 """More than this share of known failures where samples are too rare is a doubt."""
@@ -126,7 +128,7 @@ class WeightedSums:
             std_error=pf * self.cov if seen else math.nan,
             ci_low=low,
             ci_high=max(pf, high) if seen else other.ends()[1],
-            ci_kind="gamma 95 %" if seen else "upper bound 95 %",
+            ci_kind=BY_WEIGHTS if seen else "upper bound 95 %",
             pf_low=min(pf, float(self._totals[1]) / self.n),
             pf_high=pf,
             error_kind="sampling",
