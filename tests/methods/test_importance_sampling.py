@@ -103,11 +103,15 @@ def test_under_tau() -> None:
 
 
 def test_directions_that_were_lost_are_a_doubt() -> None:
-    """Eight units fail in eight directions; a density of fewer was sure of a third of pf."""
+    """Eight units fail in eight directions; a density of fewer was sure of a third of pf.
+
+    However many missions are flown, the budget pays for an answer.
+    """
     system, criterion = LinearNormalSystem(units=2), Criterion(14.0, missions=Binomial(4, 0.4))
-    row = METHOD.estimate(system.problem(), criterion, max_evals=15_000, rng=5)[0]
-    assert row.n_evals <= 15_000
-    assert row.status == "doubtful"
+    for seed in (1, 5):
+        row = METHOD.estimate(system.problem(), criterion, max_evals=15_000, rng=seed)[0]
+        assert row.n_evals <= 15_000
+        assert row.status == "doubtful"
     lost = sums(np.where(np.arange(4_000) % 2 == 0, 1e-6, 0.0))
     alone = lost.estimate(0.1, Repetitions(np.full(8, 5e-7)), 0.25, [])
     assert alone.status == "doubtful"

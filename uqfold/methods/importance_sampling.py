@@ -30,8 +30,6 @@ FEWEST = 100
 """Samples to be weighed at least."""
 BLOCK = 20_000
 """Samples weighed in one go at most: what is lost when the time ends."""
-RESERVE = 1.1
-"""With a random number of missions samples may cost so much more than those before."""
 
 
 @dataclass(frozen=True)
@@ -152,11 +150,11 @@ class ImportanceSampling(RareEventMethod):
         wanted = search.affordable if self.samples is None else self.samples
         if self.samples is None and session.max_evals is None and self.target_cov is None:
             wanted = WITHOUT_A_BUDGET
-        reserve = RESERVE if search.asked.event.random_missions else 1.0
         try:
             while sums.n < wanted and not self._precise(sums):
                 size = min(wanted - sums.n, BLOCK, search.most_at_once)
-                size = min(size, int(search.affordable / reserve))
+                # at most so many: with a random number of missions these may be few
+                size = min(size, search.asked.left // search.asked.event.max_evals_per_sample)
                 if size == 0:
                     break
                 sums.add((yield from search.drawn(size)))

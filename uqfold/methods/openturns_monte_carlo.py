@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -14,9 +14,9 @@ from uqfold.evaluation import TimeLimitError
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
-from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.counted import counted
 from uqfold.methods.openturns_stream import RandomStream
-from uqfold.methods.result import Estimate, Status
+from uqfold.methods.result import Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, too_large
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import OPENTURNS_MONTE_CARLO
@@ -24,7 +24,6 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.event import SystemEvent
 
-LEVEL = 0.95
 BLOCKS_OF_RANDOM_COST = 8
 """With a random number of missions a budget is cut into at least this many blocks, because only a
 block that fits even if all its missions are flown can be started."""
@@ -221,29 +220,9 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
         return run, ""
 
     def _estimate(self, run: SimulationRun, stopped: str, n_evals: int) -> Estimate:
-        n, high, low = run.n_samples, run.failures, run.failures - run.open_samples
-        pf = high / n
-        status: Status = "converged"
-        message = ""
-        certain = high in (0, n)
-        if certain:
-            status = "doubtful"
-            message = f"{'no' if high == 0 else 'only'} failures among {n} samples"
-        return Estimate(
-            pf=pf,
-            reliability=(n - high) / n,
-            # without both outcomes the sample says nothing about its own spread
-            std_error=math.nan if certain else math.sqrt(pf * (1.0 - pf) / n),
-            ci_low=clopper_pearson(low, n, LEVEL)[0],
-            ci_high=clopper_pearson(high, n, LEVEL)[1],
-            ci_kind="clopper-pearson 95 %" + (" one-sided" if certain else ""),
-            pf_low=low / n,
-            pf_high=pf,
-            error_kind="sampling",
-            status=status,
-            message=f"{message}; {stopped}" if stopped else message,
-            n_evals_row=n_evals,
-        )
+        high, low = run.failures, run.failures - run.open_samples
+        said = [stopped] if stopped else []
+        return replace(counted(run.n_samples, high, low, "converged", said), n_evals_row=n_evals)
 
 
 def _seed(seed: int, criterion: Criterion) -> int:

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.typing import BoolArray, FloatArray, IntArray
+from uqfold.system.directions import around, far_apart, log_normaliser
+from uqfold.typing import BoolArray, FloatArray
 
 MOST_COMPONENTS = 10
 EM_STEPS = 40
@@ -66,10 +67,10 @@ class PolarMixture:
         """Draw points (size, d)."""
         which = rng.choice(self.shares.size, size, p=self.shares)
         distance = np.sqrt(rng.gamma(self.shape[which], self.spread[which] / self.shape[which]))
-        u = rng.standard_normal((size, self.directions.shape[1]))
+        u = np.empty((size, self.directions.shape[1]))
         for k in range(self.shares.size):
             own = np.nonzero(which == k)[0]
-            u[own] = _around(self.directions[k], float(self.kappa[k]), u[own], rng)
+            u[own] = around(self.directions[k], float(self.kappa[k]), own.size, rng)
         return u * distance[:, None]
 
     def log_ratio(self, u: FloatArray) -> FloatArray:
@@ -85,13 +86,13 @@ class PolarMixture:
         d = u.shape[1]
         length = np.sqrt((u * u).sum(axis=1))
         aligned = self.directions @ (u / np.maximum(length, 1e-300)[:, None]).T
-        of_direction = np.array([_log_uniform(d) - _log_bessel(d, k) for k in self.kappa.tolist()])
         m, omega, square = self.shape[:, None], self.spread[:, None], length**2
         # distances: Nakagami over chi, both without the factor 2 r
         nakagami = xlogy(m, m / omega) - gammaln(m) + xlogy(m - 1.0, square) - m * square / omega
         chi = -0.5 * d * math.log(2.0) - math.lgamma(0.5 * d)
         chi = chi + xlogy(0.5 * d - 1.0, square) - 0.5 * square
-        logs = np.log(self.shares)[:, None] + of_direction[:, None] + nakagami - chi
+        logs = np.log(self.shares)[:, None] + nakagami - chi
+        logs += log_normaliser(self.kappa, d)[:, None]
         return np.asarray(logs + self.kappa[:, None] * aligned)
 
     def joined(self, other: PolarMixture, share: float) -> PolarMixture:
@@ -181,7 +182,8 @@ def _maximised(
     d, weights = u.shape[1], weights / weights.sum()
     square = (u * u).sum(axis=1)
     unit = u / np.maximum(np.sqrt(square), 1e-300)[:, None]
-    near = np.eye(number)[_nearest(unit, weights, number, rng)].T
+    centres = far_apart(unit, weights, number, rng)
+    near = np.eye(number)[(unit @ centres.T).argmax(axis=1)].T
     mixture = None
     for _ in range(EM_STEPS if number > 1 else 1):
         mass = near * weights
@@ -206,65 +208,8 @@ def _maximised(
     return mixture
 
 
-def _nearest(
-    unit: FloatArray, weights: FloatArray, number: int, rng: np.random.Generator
-) -> IntArray:
-    """Divide directions (n, d) among so many of them that lie far apart."""
-    centres = unit[rng.choice(len(unit), p=weights)][None, :]
-    for _ in range(number - 1):
-        apart = np.maximum(1.0 - (unit @ centres.T).max(axis=1), 0.0) * weights
-        if not apart.sum() > 0.0:
-            break
-        centres = np.vstack([centres, unit[rng.choice(len(unit), p=apart / apart.sum())]])
-    return np.asarray((unit @ centres.T).argmax(axis=1))
-
-
 def _distances(square: FloatArray, weights: FloatArray, d: int) -> tuple[float, float]:
     """Nakagami m and Omega of squared distances (n,), by moments."""
     spread = float(weights @ square)
     variance = float(weights @ (square - spread) ** 2)
     return spread**2 / max(variance, 1e-3 * spread**2 / d), spread
-
-
-def _around(
-    direction: FloatArray, kappa: float, normal: FloatArray, rng: np.random.Generator
-) -> FloatArray:
-    """Turn normal points (n, d) into von Mises-Fisher directions (n, d), after Wood."""
-    n, d = normal.shape
-    b = (d - 1.0) / (2.0 * kappa + math.hypot(2.0 * kappa, d - 1.0))
-    x = (1.0 - b) / (1.0 + b)
-    c = kappa * x + (d - 1.0) * math.log1p(-x * x)
-    cosine = np.empty(n)
-    left = np.arange(n)
-    while left.size:
-        z = rng.beta(0.5 * (d - 1.0), 0.5 * (d - 1.0), left.size)
-        w = (1.0 - (1.0 + b) * z) / (1.0 - (1.0 - b) * z)
-        level = np.log(np.maximum(rng.random(left.size), 1e-300))
-        taken = kappa * w + (d - 1.0) * np.log1p(-x * w) - c >= level
-        cosine[left[taken]] = w[taken]
-        left = left[~taken]
-    aside = normal - np.outer(normal @ direction, direction)
-    aside /= np.maximum(np.sqrt((aside**2).sum(axis=1)), 1e-300)[:, None]
-    sine = np.sqrt(np.maximum(0.0, 1.0 - cosine**2))
-    return np.asarray(cosine[:, None] * direction + sine[:, None] * aside)
-
-
-def _log_uniform(d: int) -> float:
-    """Logarithm of 1 / (Gamma(d/2) (1/2)^(d/2 - 1)), the Bessel part at kappa = 0."""
-    return -math.lgamma(0.5 * d) - (0.5 * d - 1.0) * math.log(2.0)
-
-
-def _log_bessel(d: int, kappa: float) -> float:
-    """Logarithm of I_nu(kappa) / kappa^nu with nu = d/2 - 1."""
-    from scipy.special import gammaln, ive, logsumexp
-
-    nu = 0.5 * d - 1.0
-    scaled = float(ive(nu, kappa))
-    if kappa > 0.0 and scaled > 1e-280:
-        return math.log(scaled) + kappa - nu * math.log(kappa)
-    # its series, whose largest terms come before k = kappa
-    k = np.arange(50 + int(2.0 * kappa))
-    with np.errstate(divide="ignore"):
-        powers = np.where(k > 0, 2.0 * k * np.log(0.5 * kappa) if kappa > 0.0 else -np.inf, 0.0)
-    terms = powers - gammaln(k + 1.0) - gammaln(k + nu + 1.0)
-    return float(logsumexp(terms)) - nu * math.log(2.0)

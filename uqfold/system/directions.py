@@ -17,6 +17,8 @@ import numpy as np
 
 from uqfold.typing import FloatArray
 
+SMALLEST = 1e-9
+"""Concentration below which a law is uniform to the computer."""
 _STEPS = 15
 _SMALLEST_SHARE = 1e-3
 # Mean lengths above this would make a component so narrow that it forgets its surroundings.
@@ -32,7 +34,7 @@ class DirectionMixture:
     means
         Unit vectors (K, d).
     concentrations
-        Positive numbers (K,); near zero a component is uniform.
+        Numbers >= 0 (K,); with 0 a component is uniform.
     shares
         Probabilities (K,) of the components.
     """
@@ -44,7 +46,7 @@ class DirectionMixture:
     @classmethod
     def uniform(cls, dimension: int) -> DirectionMixture:
         """The uniform density."""
-        return cls(np.eye(dimension)[:1], np.array([1e-9]), np.ones(1))
+        return cls(np.eye(dimension)[:1], np.zeros(1), np.ones(1))
 
     @classmethod
     def of(cls, parts: list[tuple[float, DirectionMixture]]) -> DirectionMixture:
@@ -68,7 +70,9 @@ class DirectionMixture:
         """
         d = directions.shape[1]
         weights = weights / weights.sum()
-        found = _starts(directions, weights, count, rng)
+        starts = far_apart(directions, weights, count, rng)
+        k = len(starts)
+        found = cls(starts, np.full(k, 2.0 * d), np.full(k, 1.0 / k))
         for _ in range(_STEPS):
             logs = found._component_logs(directions)
             belongs = np.exp(logs - np.logaddexp.reduce(logs, axis=1)[:, None])
@@ -98,34 +102,45 @@ class DirectionMixture:
         drawn = np.empty((size, self.means.shape[1]))
         for k in np.unique(chosen):
             mine = np.flatnonzero(chosen == k)
-            drawn[mine] = _around(self.means[k], float(self.concentrations[k]), mine.size, rng)
+            drawn[mine] = around(self.means[k], float(self.concentrations[k]), mine.size, rng)
         return drawn
 
     def _component_logs(self, directions: FloatArray) -> FloatArray:
-        normaliser = _log_normaliser(self.concentrations, directions.shape[1])
+        normaliser = log_normaliser(self.concentrations, directions.shape[1])
         return np.asarray(
             np.log(self.shares) + normaliser + (directions @ self.means.T) * self.concentrations
         )
 
 
-def _log_normaliser(concentration: FloatArray, d: int) -> FloatArray:
+def log_normaliser(concentration: FloatArray, d: int) -> FloatArray:
     """Logarithm of the factor that makes exp(concentration * cosine) a density, uniform: 0."""
     from scipy.special import gammaln, ive
 
     order = 0.5 * d - 1.0
+    # nothing changes below, and zero has no logarithm
+    concentration = np.maximum(concentration, SMALLEST)
     with np.errstate(divide="ignore"):
         bessel = np.log(ive(order, concentration)) + concentration
     # far below the order the scaled function is zero to the computer; its series is not
-    series = order * np.log(0.5 * concentration) - gammaln(order + 1.0)
-    series += np.log1p(0.25 * concentration**2 / (order + 1.0))
-    bessel = np.where(np.isfinite(bessel), bessel, series)
+    lost = ~np.isfinite(bessel)
+    bessel[lost] = [_log_bessel_series(order, one) for one in concentration[lost].tolist()]
     return np.asarray(order * np.log(0.5 * concentration) - gammaln(order + 1.0) - bessel)
 
 
-def _around(
+def _log_bessel_series(order: float, argument: float) -> float:
+    """Logarithm of the modified Bessel function by its power series."""
+    from scipy.special import gammaln, logsumexp
+
+    # its largest terms come before k = argument / 2
+    k = np.arange(50 + int(argument))
+    terms = (2.0 * k + order) * math.log(0.5 * argument)
+    return float(logsumexp(terms - gammaln(k + 1.0) - gammaln(k + order + 1.0)))
+
+
+def around(
     mean: FloatArray, concentration: float, size: int, rng: np.random.Generator
 ) -> FloatArray:
-    """Draw from one component (Wood 1994)."""
+    """Draw unit vectors (size, d) about a mean direction (Wood 1994)."""
     d = mean.size
     if d == 1:
         same = rng.random(size) < 1.0 / (1.0 + math.exp(-2.0 * concentration))
@@ -150,10 +165,13 @@ def _around(
     return np.asarray(cosine[:, None] * mean + sine[:, None] * across)
 
 
-def _starts(
+def far_apart(
     directions: FloatArray, weights: FloatArray, count: int, rng: np.random.Generator
-) -> DirectionMixture:
-    """Components at directions far from one another (k-means++)."""
+) -> FloatArray:
+    """Choose at most `count` of some directions (n, d), far from one another (k-means++).
+
+    The weights (n,) sum to one.
+    """
     chosen = [directions[rng.choice(weights.size, p=weights)]]
     for _ in range(count - 1):
         nearest = (1.0 - directions @ np.array(chosen).T).min(axis=1)
@@ -161,6 +179,4 @@ def _starts(
         if not share.sum() > 0.0:
             break
         chosen.append(directions[rng.choice(weights.size, p=share / share.sum())])
-    k = len(chosen)
-    d = directions.shape[1]
-    return DirectionMixture(np.array(chosen), np.full(k, 2.0 * d), np.full(k, 1.0 / k))
+    return np.array(chosen)
