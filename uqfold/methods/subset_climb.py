@@ -7,9 +7,9 @@ leaves the standard normal law above the level as it is (Papaioannou, Betz, Zwir
 2015, "conditional sampling").
 
 Levels and sigma are settled by a pilot. A climb after it, independent of it, gives an estimate
-without bias, however few samples it has and however badly its chains move: the product of the
-shares that exceed the levels is that of a particle filter (Del Moral 2004). So independent climbs
-tell their own error.
+without bias but for the lengths of its chains, which follow the number of seeds, however few
+samples it has and however badly its chains move: the product of the shares that exceed the levels
+is that of a particle filter (Del Moral 2004). So independent climbs tell their own error.
 """
 
 from __future__ import annotations

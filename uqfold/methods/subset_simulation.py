@@ -83,7 +83,8 @@ class SubsetSimulation(RareEventMethod):
     A pilot settles levels of the response, each exceeded by a share `level_probability` of what
     exceeds the one before. Several climbs over these levels follow, independent of the pilot and of
     each other, by Markov chains in standard-normal space (adaptive conditional sampling). Each is
-    without bias, so that their spread is the error of their mean, correlated chains and all.
+    without bias to first order, so that their spread is the error of their mean, correlated chains
+    and all.
 
     Criteria that differ in T alone are answered together; one with tau has climbs of its own. What
     is left of `max_evals` is split into equal shares for those that are left.
