@@ -316,6 +316,20 @@ def test_a_problem_itself_may_stand_in_a_file(own: str) -> None:
     assert run("compare", f"{own}:ready", *words, "--quiet") == 0
 
 
+def test_a_reference_is_a_number_or_the_records_of_a_long_run(
+    own: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["compare", f"{own}:problem", "--threshold", "1", "--no-figures"]
+    assert run(*words, "--method", "mc", "--max-evals", "5e4", "--quiet", "--out", "long") == 0
+    short = [*words, "--method", "ffni-spa"]
+    assert run(*short, "--reference", "0.1587") == 0
+    assert "reference pf 0.1587" in capsys.readouterr().out
+    assert run(*short, "--reference", "long") == 0
+    assert "mc, 50,000 runs, seed 0" in capsys.readouterr().out
+    assert run(*short, "--reference", "shrot") == 2
+    assert "--reference shrot: give probabilities, or a folder" in capsys.readouterr().err
+
+
 def test_problems_of_ones_own_are_kept_apart_by_file_and_function(own: str) -> None:
     """Two files with a function `problem` do not write into one folder."""
     words = ["--method", "mc", "--threshold", "1", "--max-evals", "1000", "--no-figures"]

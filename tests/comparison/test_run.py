@@ -1,6 +1,9 @@
 """compare and run_comparison: arguments, order, references, progress."""
 
+import io
 import math
+import re
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -72,6 +75,75 @@ def test_references_are_never_interpolated() -> None:
 def test_a_problem_without_references_has_none() -> None:
     frame = uqfold.compare(toy_problem(referenced=False), Told())
     assert frame[["reference_pf", "reference_std_error", "error"]].isna().all(axis=None)
+
+
+ONE, TWO = criteria([12.0, 13.0])
+
+
+@pytest.mark.parametrize(
+    ("reference", "known"),
+    [
+        ([0.25, 0.125], [(0.25, 0.0), (0.125, 0.0)]),
+        ({12.0: 0.25}, [(0.25, 0.0), None]),
+        ({ONE: (0.25, 0.01), TWO: 0.125}, [(0.25, 0.01), (0.125, 0.0)]),
+        (pd.DataFrame({"threshold": [12.0], "pf": [0.25]}), [(0.25, 0.0), None]),
+        (lambda: Sampled().estimate(toy_problem(), [ONE, TWO], rng=1), None),
+        (lambda: uqfold.compare(toy_problem(), Sampled(), [ONE, TWO], rng=1), None),
+    ],
+)
+def test_a_problem_of_ones_own_gets_errors_from_a_reference(reference: Any, known: Any) -> None:
+    """A known answer: numbers, a dict or table by criterion, the result of a long run."""
+    if known is None:
+        reference, rows = reference(), Sampled().estimate(toy_problem(), [ONE, TWO], rng=1)
+        known = [(row.pf, row.std_error) for row in rows]
+    frame = uqfold.compare(toy_problem(referenced=False), Told(), [ONE, TWO], reference=reference)
+    for row, one in zip(frame.to_dict("records"), known, strict=True):
+        if one is None:
+            assert math.isnan(row["reference_pf"])
+            continue
+        pf, std_error = one
+        assert (row["reference_pf"], row["reference_std_error"]) == (pf, std_error)
+        assert row["error"] == abs(row["pf"] - pf) / pf
+    with_it = uqfold.Problem(
+        toy_problem().model, inputs=toy_problem().inputs, units=SYSTEM.units, name="toy",
+        default_criteria=uqfold.Criteria([ONE, TWO]), references=reference,
+    )  # fmt: skip
+    assert with_it.references is not None
+    assert [one.pf for one in with_it.references] == frame["reference_pf"].dropna().tolist()
+
+
+def test_missions_and_tau_of_a_reference_are_those_of_its_rows() -> None:
+    """Also of a frame that was written as CSV, with an answer that has an interval alone."""
+    frame = uqfold.compare(toy_problem(), {"long": Sampled(n=20)}, GRID, rng=1)
+    read = pd.read_csv(io.StringIO(frame.to_csv()))
+    again = uqfold.compare(toy_problem(), Told(), GRID, reference=read)
+    assert again["reference_pf"].tolist() == frame["pf"].tolist()
+    assert (again["reference_std_error"] > 0.0).all()
+    assert comparison_header(again)["reference"]["how"] == f"sampled, 20 runs, seed {1}"
+
+
+@pytest.mark.parametrize(
+    ("reference", "said"),
+    [
+        (0.25, "reference = 0.25: for 2 criteria give a failure probability"),
+        ([0.25, 1.5], "reference = 1.5: give a probability"),
+        ({12.5: 0.25}, "reference: it knows T = 12.5, m = 1, none of which is asked"),
+        ({"12": 0.25}, "a key of reference = '12'"),
+        (pd.DataFrame({"threshold": [12.0]}), "it has no column 'pf'"),
+        (lambda: uqfold.compare(toy_problem(), Told(), 12.0), "it states no error"),
+        (
+            lambda: uqfold.compare(toy_problem(), {"a": Sampled(), "b": Sampled()}, 12.0),
+            "two answers for T = 12",
+        ),
+        (lambda: uqfold.compare(SYSTEM.problem(), Sampled(), 12.0), "it answers problem "),
+    ],
+)
+def test_what_is_no_reference_is_refused_before_any_run(reference: Any, said: str) -> None:
+    problem = toy_problem(referenced=False)
+    reference = reference() if callable(reference) else reference
+    with pytest.raises((ValueError, TypeError), match=re.escape(said)):
+        uqfold.compare(problem, Told(), [ONE, TWO], reference=reference)
+    assert rows_run(problem) == 0
 
 
 def test_methods_may_be_given_in_every_form() -> None:

@@ -84,6 +84,10 @@ def compare_methods(
     max_evals: Annotated[
         float | None, option("N", "Most evaluations per method. Default: suits the problem.")
     ] = None,
+    reference: Annotated[
+        str | None,
+        option("PF", "Known pf, or PF,PF,... by criterion; or a folder of records of one method."),
+    ] = None,
     seed: Annotated[int, option("N", "Seed of every method.")] = 0,
     out: Annotated[
         Path | None,
@@ -113,7 +117,7 @@ def compare_methods(
 
     from rich.console import Console
 
-    from uqfold.cli.words import chosen_criteria, listed
+    from uqfold.cli.words import chosen_criteria, known_reference, listed
     from uqfold.comparison.run import run_comparison
     from uqfold.evaluation import Dask, Evaluator
     from uqfold.methods import available
@@ -145,6 +149,7 @@ def compare_methods(
             chosen_criteria(asked.default_criteria, threshold, tau, missions),
             max_evals=chosen.max_evals if max_evals is None else checked_budget(max_evals),
             rng=seed,
+            reference=None if reference is None else known_reference(reference),
             evaluator=evaluator,
             progress=progress,
             command=shown_command(["uqfold", *invocation.words]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 from uqfold.problems.criterion import Binomial, Criteria, Missions, criteria
@@ -79,6 +80,26 @@ def chosen_criteria(
             for option, words in given.items()
         )
     )
+
+
+def known_reference(word: str) -> Any:
+    """Return the reference that a word means: failure probabilities, or the rows of records.
+
+    Raises
+    ------
+    ValueError, OSError
+        If it is neither, or the records cannot be read.
+    """
+    if Path(word).exists():
+        from uqfold.comparison.records import read_records
+
+        return read_records(word)
+    try:
+        return [number(one) for one in listed([word])]
+    except ValueError:
+        raise ValueError(
+            f"--reference {word}: give probabilities, or a folder of records"
+        ) from None
 
 
 def _read(option: str, words: Iterable[str]) -> list[Any]:

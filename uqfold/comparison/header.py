@@ -13,6 +13,7 @@ from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.theory import Theory
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criteria, Criterion
+from uqfold.problems.reference import ReferenceTable
 from uqfold.provenance import made_by, source_digest
 
 ATTRIBUTE = "uqfold-comparison"
@@ -20,10 +21,13 @@ ATTRIBUTE = "uqfold-comparison"
 
 
 def header_of(
-    problem: Problem, methods: Mapping[str, ReliabilityMethod], command: str
+    problem: Problem,
+    methods: Mapping[str, ReliabilityMethod],
+    command: str,
+    known: ReferenceTable | None,
 ) -> dict[str, Any]:
     """Return who is to answer what about which problem, now and with the code installed here."""
-    known, made = problem.references, made_by(command=command)
+    made = made_by(command=command)
     return {
         "problem": problem.name,
         "response": problem.response,

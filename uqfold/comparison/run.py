@@ -22,6 +22,7 @@ from uqfold.methods.response_surface import ErrorParts
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
+from uqfold.problems.known_answers import ReferenceLike, reference_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,6 +40,7 @@ def run_comparison(
     *,
     max_evals: int | None = None,
     rng: RandomSource = 0,
+    reference: ReferenceLike | None = None,
     evaluator: Evaluator | None = None,
     progress: ComparisonProgress | None = None,
     command: str = "",
@@ -51,7 +53,7 @@ def run_comparison(
 
     Parameters
     ----------
-    problem, methods, criteria, max_evals, rng, evaluator, progress
+    problem, methods, criteria, max_evals, rng, reference, evaluator, progress
         As for `compare`.
     command
         The command as typed, for the header.
@@ -73,10 +75,15 @@ def run_comparison(
     or_none("progress", progress, function)
     text("command", command, empty=True)
     references = problem.references
+    if reference is not None:
+        references = reference_table("reference", reference, grid, problem.name)
+        if not any(map(references.lookup, grid)):
+            known = "; ".join(str(one.criterion) for one in references)
+            raise ValueError(f"reference: it knows {known}, none of which is asked: {grid!r}")
 
     def frames() -> Iterator[pd.DataFrame]:
         header: dict[str, Any] = {
-            **header_of(problem, labelled, command),
+            **header_of(problem, labelled, command, references),
             "criteria": [asdict(one) for one in grid],
             "finished": [],
             "seed": seed,
@@ -107,6 +114,7 @@ def compare(
     *,
     max_evals: int | None = None,
     rng: RandomSource = 0,
+    reference: ReferenceLike | None = None,
     evaluator: Evaluator | None = None,
     progress: ComparisonProgress | None = None,
 ) -> pd.DataFrame:
@@ -126,6 +134,10 @@ def compare(
     rng
         Seed, `numpy.random.SeedSequence` or `Generator`; reduced to one seed that every method
         gets, so that a row can be repeated by the method alone.
+    reference
+        Known answers to measure errors against, instead of the problem's own: one failure
+        probability for each criterion; a dict of threshold or `Criterion` -> pf or (pf,
+        std_error); the result of a long run; or a frame with columns ``threshold`` and ``pf``.
     evaluator
         How the model is run: policy for failed runs, batches, progress.
     progress
@@ -143,7 +155,7 @@ def compare(
     Raises
     ------
     ValueError, TypeError
-        For an unknown method, a wrong criterion or a wrong budget, before any run is spent.
+        For an unknown method, a wrong criterion, budget or reference, before any run is spent.
     FailedRunError
         Only under the policy ``raise`` for failed runs.
 
@@ -164,6 +176,7 @@ def compare(
         criteria,
         max_evals=max_evals,
         rng=rng,
+        reference=reference,
         evaluator=evaluator,
         progress=progress,
     )

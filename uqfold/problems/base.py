@@ -31,6 +31,7 @@ from uqfold.typing import FloatArray, Model
 if TYPE_CHECKING:
     import pandas as pd
 
+    from uqfold.problems.known_answers import ReferenceLike
     from uqfold.problems.reference import ReferenceTable
 
 
@@ -79,8 +80,9 @@ class Problem:
     default_criteria
         The criteria meant when none are given.
     references
-        Known answers with their own uncertainty. Those of another problem are left out if model,
-        inputs, units or structure differ, as with ``dataclasses.replace(problem, units=3)``.
+        Known answers, in any form that `uqfold.compare` takes as ``reference``. Those of another
+        problem are left out if model, inputs, units or structure differ, as with
+        ``dataclasses.replace(problem, units=3)``.
 
     Raises
     ------
@@ -119,7 +121,7 @@ class Problem:
         input_units: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
         default_criteria: Criteria | None = None,
-        references: ReferenceTable | None = None,
+        references: ReferenceLike | None = None,
     ) -> None:
         function("model", model, "give a function of X (n, d)")
         or_none("low_fidelity", low_fidelity, function, "give a function of X (n, d)")
@@ -273,14 +275,15 @@ class Problem:
         object.__setattr__(changed, "references", None)
         return changed
 
-    def _own(self, references: ReferenceTable | None) -> ReferenceTable | None:
+    def _own(self, references: ReferenceLike | None) -> ReferenceTable | None:
         """Return references if they are this problem's, not those of one that it is made from."""
-        from uqfold.problems.reference import ReferenceTable, answering
+        from uqfold.problems.known_answers import reference_table
+        from uqfold.problems.reference import answering
 
-        or_none("references", references, instance, ReferenceTable, "give a ReferenceTable")
         if references is None:
             return None
-        return answering(references, self.model, self.inputs, self.units, self.structure)
+        table = reference_table("references", references, self.default_criteria, self.name)
+        return answering(table, self.model, self.inputs, self.units, self.structure)
 
     @property
     def n_units(self) -> int:
