@@ -34,6 +34,19 @@ JOINED: list[tuple[Callable[[], Any], Callable[[np.ndarray, np.ndarray], np.ndar
         ),
         lambda a, b: (a >= 0.5) & (b < 0.5),
     ),
+    (
+        lambda: ot.IntersectionEvent(
+            [
+                ot.UnionEvent([event("a", ot.Greater(), 1.0), event("b", ot.Greater(), 1.0)]),
+                event("a", ot.Less(), 0.0),
+            ]
+        ),
+        lambda a, b: ((a > 1.0) | (b > 1.0)) & (a < 0.0),
+    ),
+    (
+        lambda: event("a", ot.Greater(), 1.0).join(event("b", ot.Less(), 0.0)),
+        lambda a, b: (a > 1.0) | (b < 0.0),
+    ),
 ]
 
 
@@ -62,10 +75,14 @@ def test_an_event_has_its_name_inputs_and_options() -> None:
 
 
 def test_other_events_are_refused() -> None:
-    """An event within another does not tell what it is."""
-    inner = ot.UnionEvent([event("a", ot.Greater(), 1.0), event("b", ot.Greater(), 1.0)])
-    with pytest.raises(ValueError, match="none of them within another"):
-        Problem.from_openturns(ot.IntersectionEvent([inner, event("a", ot.Less(), 0.0)]))
+    """Also inputs beside those of the event."""
+    function = ot.SymbolicFunction(["a", "b"], ["a", "b"])
+    domain = ot.DomainEvent(ot.CompositeRandomVector(function, X), ot.Interval(2))
+    for other in (domain, X):
+        with pytest.raises((TypeError, ValueError), match=r"event = .*: give an openturns\.ThresholdEvent"):
+            Problem.from_openturns(other)
+    with pytest.raises(ValueError, match=r"inputs = .*: the event has its own; give names="):
+        Problem.from_openturns(event("a", ot.Less(), 0.0), inputs=ot.Normal(2))
     with pytest.raises(TypeError, match=r"event = .*: give an openturns\.ThresholdEvent"):
         Problem.from_openturns(ot.Normal(2))
     with pytest.raises(ValueError, match="compare by Less"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from uqfold.checks import instance, refused
 from uqfold.inputs.engine import openturns
 from uqfold.typing import FloatArray
 
-_REMEDY = "give an openturns.ThresholdEvent, or a UnionEvent or IntersectionEvent of such"
+_REMEDY = "give an openturns.ThresholdEvent, or a UnionEvent or IntersectionEvent made of such"
 
 
 @dataclass(frozen=True)
@@ -39,18 +39,19 @@ class Exceedance:
 
 @dataclass(frozen=True)
 class JoinedExceedances:
-    """Several threshold events as one response that fails above zero.
+    """Several events as one response that fails above zero.
 
     Attributes
     ----------
     parts
-        The events.
+        The events, which may be joined ones themselves.
     all_fail
         Whether all of them have to occur (an intersection), or any (a union).
     """
 
-    parts: tuple[Exceedance, ...]
+    parts: tuple[Exceedance | JoinedExceedances, ...]
     all_fail: bool
+    threshold: ClassVar[float] = 0.0
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Margin (n,) at x (n, d)."""
@@ -68,14 +69,19 @@ def taken_apart(event: Any) -> tuple[Exceedance | JoinedExceedances, Any, float]
         If it is not an event, or one of another kind.
     """
     ot = openturns()
-    joined = (ot.UnionEvent, ot.IntersectionEvent)
-    instance("event", event, (ot.ThresholdEvent, *joined), _REMEDY)
-    members = event.getEventCollection() if isinstance(event, joined) else [event]
-    parts = tuple(map(_exceedance, members))
-    distribution = members[0].getAntecedent().getDistribution()
-    if len(parts) == 1:
-        return parts[0], distribution, parts[0].threshold
-    return JoinedExceedances(parts, isinstance(event, ot.IntersectionEvent)), distribution, 0.0
+    instance("event", event, (ot.RandomVector, ot.UnionEvent, ot.IntersectionEvent), _REMEDY)
+    if not event.isEvent():
+        raise refused("event", event, _REMEDY)
+    response = _response(event)
+    return response, event.getAntecedent().getDistribution(), response.threshold
+
+
+def _response(event: Any) -> Exceedance | JoinedExceedances:
+    kind = event.getImplementation() if isinstance(event, openturns().RandomVector) else event
+    if not hasattr(kind, "getEventCollection"):
+        return _exceedance(event)
+    parts = tuple(map(_response, kind.getEventCollection()))
+    return JoinedExceedances(parts, all_fail=isinstance(kind, openturns().IntersectionEvent))
 
 
 def _exceedance(event: Any) -> Exceedance:
@@ -83,11 +89,11 @@ def _exceedance(event: Any) -> Exceedance:
         operator, threshold = event.getOperator(), event.getThreshold()
         function = event.getFunction()
     except (RuntimeError, TypeError, NotImplementedError):
-        raise refused("event", event, f"{_REMEDY}, none of them within another") from None
+        raise refused("event", event, _REMEDY) from None
     above, below = operator.compare(1.0, 0.0), operator.compare(-1.0, 0.0)
     if above == below:
         raise refused("event", event, "compare by Less, LessOrEqual, Greater or GreaterOrEqual")
     sign = 1.0 if above else -1.0
-    limit = sign * threshold
+    limit = sign * threshold + 0.0  # zero without a sign
     at_limit = operator.compare(0.0, 0.0)
     return Exceedance(function, sign, float(np.nextafter(limit, -np.inf)) if at_limit else limit)

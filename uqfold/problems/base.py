@@ -216,14 +216,15 @@ class Problem:
         Parameters
         ----------
         event
-            An ``openturns.ThresholdEvent``, or a ``UnionEvent`` or ``IntersectionEvent`` of such.
+            An ``openturns.ThresholdEvent``, or a ``UnionEvent`` or ``IntersectionEvent`` made of
+            such, to any depth.
         options
             Further arguments of `Problem`, for instance ``name``, ``units`` or ``shared``.
 
         Raises
         ------
         TypeError, ValueError
-            If it is an event of another kind.
+            If it is an event of another kind, or inputs are given beside those of the event.
 
         Examples
         --------
@@ -236,6 +237,9 @@ class Problem:
         """
         from uqfold.inputs.threshold_event import taken_apart
 
+        if "inputs" in options:
+            remedy = "the event has its own; give names= for other names"
+            raise refused("inputs", options["inputs"], remedy)
         response, distribution, threshold = taken_apart(event)
         options.setdefault("name", event.getName() if event.getName() != "Unnamed" else "event")
         options.setdefault("default_criteria", criteria(threshold))
