@@ -71,7 +71,7 @@ def test_folders_are_kept_as_asked(code: Callable[..., ExternalCode], tmp_path: 
     assert folders(tmp_path) == []
     np.testing.assert_array_equal(code()(x), expected)
     [failed] = folders(tmp_path)
-    assert (failed / "reason.txt").read_text() == "exit code 1: buckled\n"
+    assert (failed / "reason.txt").read_text() == "exit code 1; it printed last: buckled\n"
     assert (failed / "beam.inp").read_text() == (
         "* {not a placeholder}\na = 1.0\nb = 3.0\nshown = 1.000\n"
     )
@@ -86,10 +86,14 @@ def broken(folder: Path) -> float:
 @pytest.mark.parametrize(
     ("settings", "row", "reason"),
     [
-        ({}, [0.0, 3.0], r"exit code 1: buckled"),
+        ({}, [0.0, 3.0], r"exit code 1; it printed last: buckled"),
         ({"timeout": 0.5}, [0.0, -3.0], r"took longer than 0.5 s"),
         ({"command": ["no-such-solver", "{{a}}"]}, [0.0, 0.0], r"no-such-solver cannot be started"),
-        ({"output": Regex(r"z = (\S+)")}, [0.0, 0.0], r"holds nothing that matches"),
+        (
+            {"output": Regex(r"z = (\S+)")},
+            [0.0, 0.0],
+            r"holds nothing that matches .*; it printed last: step 1: y = 0.0 / step 2: y = 0.0",
+        ),
         ({"output": Regex(r"step 2: (.)")}, [0.0, 0.0], r"'y' is not a number"),
         ({"output": Regex("(.)", "out.txt")}, [0.0, 0.0], r"FileNotFoundError.*out.txt"),
         ({"output": Column("table.csv", 9)}, [0.0, 0.0], r"no column 9 in row -1"),

@@ -79,7 +79,9 @@ def test_other_events_are_refused() -> None:
     function = ot.SymbolicFunction(["a", "b"], ["a", "b"])
     domain = ot.DomainEvent(ot.CompositeRandomVector(function, X), ot.Interval(2))
     for other in (domain, X):
-        with pytest.raises((TypeError, ValueError), match=r"event = .*: give an openturns\.ThresholdEvent"):
+        with pytest.raises(
+            (TypeError, ValueError), match=r"event = .*: give an openturns\.ThresholdEvent"
+        ):
             Problem.from_openturns(other)
     with pytest.raises(ValueError, match=r"inputs = .*: the event has its own; give names="):
         Problem.from_openturns(event("a", ot.Less(), 0.0), inputs=ot.Normal(2))

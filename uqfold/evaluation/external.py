@@ -36,7 +36,7 @@ from uqfold.evaluation.errors import ExternalRunError
 from uqfold.evaluation.outputs import response
 from uqfold.evaluation.programs import Programs
 from uqfold.evaluation.row_model import RowModel
-from uqfold.evaluation.run_folder import REASON
+from uqfold.evaluation.run_folder import REASON, last_lines
 from uqfold.evaluation.templates import (
     check_placeholders,
     filled,
@@ -153,6 +153,8 @@ class ExternalCode(RowModel):
             failed = True
             told = isinstance(error, ExternalRunError)
             reason = said_by(error) if told else raised(error)
+            if printed := last_lines(folder):
+                reason += f"; it printed last: {printed}"
             if self.keep == "none":
                 raise ExternalRunError(reason) from error
             with replacing(folder / REASON) as stream:

@@ -14,9 +14,8 @@ from pathlib import Path
 
 from uqfold.evaluation import guard
 from uqfold.evaluation.errors import ExternalRunError
-from uqfold.evaluation.run_folder import STDERR, STDOUT, decoded
+from uqfold.evaluation.run_folder import STDERR, STDOUT
 
-_STDERR_SHOWN = 300
 _GUARD_SECONDS = 15.0
 """How long to wait for a guard that ends its program."""
 _WAIT_SECONDS = 1e6
@@ -53,8 +52,7 @@ class Programs:
             run = self._guarded if os.name == "posix" else self._direct
             code = run(command, folder, timeout, (out.fileno(), err.fileno()))
         if code != 0:
-            said = decoded((folder / STDERR).read_bytes()).strip()[-_STDERR_SHOWN:]
-            raise ExternalRunError(f"exit code {code}" + (f": {said}" if said else ""))
+            raise ExternalRunError(f"exit code {code}")
 
     def end(self) -> None:
         """End the programs that are running; those that wait for them get an ExternalRunError."""

@@ -6,7 +6,7 @@ import codecs
 import re
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from uqfold.checks import refused, text
+from uqfold.checks import one_line, refused, text
 from uqfold.evaluation.errors import ExternalRunError
 
 STDOUT, STDERR = "stdout.txt", "stderr.txt"
@@ -14,6 +14,8 @@ STDOUT, STDERR = "stdout.txt", "stderr.txt"
 REASON = "reason.txt"
 """File in the folder of a failed run that says why."""
 
+_TAIL, _LINES, _CHARACTERS = 4096, 3, 200
+"""How much is shown of what a program printed: the end, in bytes, lines and characters."""
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
@@ -51,6 +53,20 @@ def text_of(folder: Path, file: str) -> str:
     if path.exists() and not path.is_file():
         raise ExternalRunError(f"{file} is not an ordinary file")
     return decoded(path.read_bytes())
+
+
+def last_lines(folder: Path) -> str:
+    """Return the last lines that a program printed, errors if there are any, as one line."""
+    for file in (STDERR, STDOUT):
+        path = folder / file
+        if path.is_symlink() or not path.is_file():
+            continue
+        with path.open("rb") as stream:
+            stream.seek(max(path.stat().st_size - _TAIL, 0))
+            lines = [line.strip() for line in decoded(stream.read()).splitlines()]
+        if told := " / ".join(list(filter(None, lines))[-_LINES:]):
+            return one_line(told[-_CHARACTERS:])
+    return ""
 
 
 def decoded(content: bytes) -> str:
