@@ -325,7 +325,7 @@ def calls(folder: Path) -> dict[str, Call]:
         "Problem": Call(
             uqfold.Problem,
             {
-                "model": thing(response),
+                "model": optional(thing(response)),
                 "inputs": anything(None),
                 "shared": optional(thing({"a": normal})),
                 "individual": optional(thing({"b": normal})),

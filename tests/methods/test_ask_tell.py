@@ -65,11 +65,8 @@ class Breaks(SequentialMethod):
         raise ArithmeticError("no root")
 
 
-def unreachable(x: FloatArray) -> FloatArray:
-    raise AssertionError("ask and tell must not run the problem's own model")
-
-
-def outside(model: object = unreachable, **options: object) -> Problem:
+def outside(model: object = None, **options: object) -> Problem:
+    """A problem whose runs are made elsewhere; without a model none can be made here."""
     inputs = SYSTEM.problem().inputs.distribution
     return Problem(model, inputs=inputs, shared=["V"], name="outside", **options)  # type: ignore[arg-type]
 
@@ -88,6 +85,12 @@ def test_told_responses_give_the_answer_of_estimate() -> None:
     assert (result.n_evals, result.seed, result.details) == (12, 5, "walked")
     # and the comparison can fail
     assert not same_numbers(result, Walk().estimate(outside(SYSTEM.response), ASKED, rng=6))
+
+
+def test_a_problem_without_a_model_is_for_sessions_only() -> None:
+    with pytest.raises(ValueError, match=r"the problem has no model: let a session ask"):
+        Walk().estimate(outside(), ASKED)
+    assert "outside: response, 1 unit" in str(outside())
 
 
 def with_failures(x: FloatArray) -> FloatArray:
@@ -279,7 +282,7 @@ def test_other_inputs_are_refused(tmp_path: Path) -> None:
         [ot.Normal(0.0, 1.0 + 1e-6), *(inputs.getMarginal(i) for i in (1, 2))]
     )
     wider.setDescription(inputs.getDescription())
-    problem = Problem(unreachable, inputs=wider, shared=["V"], name="outside")
+    problem = Problem(None, inputs=wider, shared=["V"], name="outside")
     with pytest.raises(SessionFileError, match="its distribution is"):
         Walk().resume(path, problem, ASKED)
 

@@ -44,7 +44,7 @@ from uqfold.methods.result import (
 )
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.methods.theory import Theory
-from uqfold.problems.base import Problem
+from uqfold.problems.base import WITHOUT_MODEL, Problem, run_elsewhere
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
 from uqfold.time_limit import time_checked_by
@@ -265,6 +265,8 @@ class ReliabilityMethod(ABC):
         budget = checked_budget(max_evals)
         seed = reduced_seed(rng)
         if model is None:
+            if problem.model is run_elsewhere:
+                raise ValueError(WITHOUT_MODEL)
             session = settings.open(problem, budget)
         else:
             session = settings.session_of_told(model, problem.kinds.columns, budget)

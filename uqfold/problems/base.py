@@ -35,6 +35,12 @@ if TYPE_CHECKING:
     from uqfold.problems.reference import ReferenceTable
 
 
+WITHOUT_MODEL = (
+    "the problem has no model: let a session ask for rows and tell it their responses, as in "
+    "uqfold.methods.Kriging().start(problem, ...)"
+)
+
+
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Problem:
     """A response model, its random inputs, and how units make up the system.
@@ -53,7 +59,8 @@ class Problem:
         Response model: takes X (n, d), columns shared inputs first, returns y (n,) or (n, 1); the
         response is the quantity that must stay small. +inf is a valid response that fails every
         criterion; NaN, a masked entry or an exception is a failed run. A function of one sample
-        (d,) is wrapped by `uqfold.evaluation.per_sample`.
+        (d,) is wrapped by `uqfold.evaluation.per_sample`. None where runs are made elsewhere: then
+        sessions of methods (`SequentialMethod.start`) ask for them.
     inputs
         Joint distribution of all inputs (second form), or the ``inputs`` of another problem.
     shared
@@ -106,7 +113,7 @@ class Problem:
 
     def __init__(
         self,
-        model: Model,
+        model: Model | None,
         *,
         inputs: Any = None,
         shared: Any = None,
@@ -123,7 +130,8 @@ class Problem:
         default_criteria: Criteria | None = None,
         references: ReferenceLike | None = None,
     ) -> None:
-        function("model", model, "give a function of X (n, d)")
+        or_none("model", model, function, "give a function of X (n, d)")
+        model = run_elsewhere if model is None else model
         or_none("low_fidelity", low_fidelity, function, "give a function of X (n, d)")
         names = or_none("names", names, checked_names)
         if inputs is not None:
@@ -140,7 +148,8 @@ class Problem:
                 "input_units", unit_names, f"give one for each of {joint.dimension} inputs"
             )
         if name is None:
-            name = str(getattr(model, "__name__", "problem"))
+            named = "problem" if model is run_elsewhere else getattr(model, "__name__", "problem")
+            name = str(named)
         fields: dict[str, Any] = {
             "model": model,
             "inputs": joint,
@@ -346,6 +355,17 @@ class Problem:
         ]
         silent = [] if any(self.input_units) else ["unit"]
         return pd.DataFrame(rows).drop(columns=silent)
+
+
+def run_elsewhere(x: FloatArray) -> FloatArray:
+    """Stand for the model of a problem without one.
+
+    Raises
+    ------
+    RuntimeError
+        Always.
+    """
+    raise RuntimeError(WITHOUT_MODEL)
 
 
 @dataclass(frozen=True)
