@@ -4,11 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from uqfold.provenance import source_digest
 from uqfold.validation.case import Case, Fault, find_cases
 from uqfold.validation.kept import changes
 from uqfold.validation.record import read_case_record
-from uqfold.validation.runner import FRAME, Validation, sources, verdict_with
+from uqfold.validation.runner import Validation, verdict_with
 
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
@@ -50,12 +49,6 @@ def test_the_kept_verdict_comes_out_again(name: str, tmp_path: Path) -> None:
     record = Validation("quick", tmp_path).run(case)
     assert record.error == ""
     assert changes(read_case_record(case.kept("quick")), record) == ()
-
-
-def test_a_program_whose_memory_is_measured_counts_with_its_imports() -> None:
-    """It was a text, whose imports nobody followed."""
-    parts = source_digest(*sources(CASES["bounded_memory"]), without=FRAME)
-    assert {"uqfold/methods", "uqfold/evaluation"} <= set(parts)
 
 
 @pytest.mark.parametrize("name", CASES)
