@@ -277,6 +277,14 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
     return page
 
 
+def percent(value: float, sign: str = "") -> str:
+    """Write a share or a relative error in per cent, with two digits; a `sign` of "+" for both."""
+    if math.isnan(value):
+        return ""
+    digits = ",.0f" if abs(value) >= 0.995 else ".2g"
+    return f"{100.0 * value:{sign}{digits}} %"
+
+
 def differences(
     committed: Run,
     tables: Tables,

@@ -80,12 +80,12 @@ def forces(table: pd.DataFrame) -> Figure:
 
 
 def journals(table: pd.DataFrame) -> Figure:
-    """Draw the paths of the journals' centres, and how penetration and its rate go together."""
-    figure = Figure(figsize=(8.0, 3.3), layout="constrained")
-    panels = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.1))
+    """Draw the paths of the journals' centres in their bearings."""
+    figure = Figure(figsize=(5.6, 3.3), layout="constrained")
+    panels = figure.subplots(1, 2)
     time = table["time"].to_numpy()
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    for axes, (joint, name, _) in zip(panels, JOINTS, strict=False):
+    for axes, (joint, name, _) in zip(panels, JOINTS, strict=True):
         points = 1e3 * table[[f"e_{joint}_x", f"e_{joint}_y"]].to_numpy()
         pieces = np.stack([points[:-1], points[1:]], axis=1)
         lines = LineCollection(pieces, array=time[:-1], cmap="viridis", linewidths=0.8)
@@ -96,17 +96,7 @@ def journals(table: pd.DataFrame) -> Figure:
         span = (-1.2 * size, 1.2 * size)
         axes.set(aspect="equal", xlim=span, ylim=span, xlabel="$e_x$ (mm)", ylabel="$e_y$ (mm)")
         axes.set_title(name)
-    figure.colorbar(
-        lines, ax=list(panels[:2]), label="time (s)", orientation="horizontal", aspect=40
-    )
-    depth = table["penetration_B"].to_numpy()
-    # rate of the penetration, from the points in between
-    rate = np.gradient(depth, time)
-    early = (time > 0.0) & (time < 0.2)
-    panels[2].plot(1e3 * depth[early], rate[early], color=CRANK, linewidth=0.6)
-    panels[2].axvline(0.0, color="black", linewidth=0.8)
-    panels[2].set(xlabel="penetration (mm)\nabove 0 in contact", ylabel="its rate (m/s)")
-    panels[2].set_title("joint B, first 0.2 s")
+    figure.colorbar(lines, ax=panels, label="time (s)", orientation="horizontal", aspect=40)
     return figure
 
 
