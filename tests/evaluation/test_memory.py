@@ -29,9 +29,7 @@ def peak_memory(systems: int, store: str) -> float:
         pytest.param(600_000, 2_000_000, True, marks=pytest.mark.slow),
     ],
 )
-def test_more_systems_take_no_more_memory(
-    few: int, many: int, kept: bool, tmp_path: Path
-) -> None:
+def test_more_systems_take_no_more_memory(few: int, many: int, kept: bool, tmp_path: Path) -> None:
     stores = [str(tmp_path / f"{systems}.db") if kept else "" for systems in (few, many)]
     least, most = peak_memory(few, stores[0]), peak_memory(many, stores[1])
     assert most - least < MOST_GROWTH
