@@ -258,7 +258,7 @@ def process(size: int = 30) -> GaussianProcess:
 
 
 QUESTION = Question(
-    2, 0, SystemUnits(1), (Criterion(2.5), Criterion(4.0)), np.tile(np.arange(2), (2, 1))
+    (2,), 0, SystemUnits(1), (Criterion(2.5), Criterion(4.0)), np.tile(np.arange(2), (2, 1))
 )
 
 
@@ -267,7 +267,7 @@ def test_view_states_index_error_and_shift() -> None:
     rng = np.random.default_rng(2)
     # few points: the spread is then far larger than the scatter of counts among 400,000 draws
     fitted = process(10)
-    view = View.of(fitted, QUESTION, rng)
+    view = View.of([fitted], QUESTION, rng)
     u = rng.standard_normal((400_000, 2))
     from scipy.special import ndtri
 
@@ -275,7 +275,7 @@ def test_view_states_index_error_and_shift() -> None:
     beta = -ndtri(np.mean(mean > 2.5))
     assert view.beta[0] == pytest.approx(beta, abs=0.01)
     moved = -ndtri(np.mean(mean + 0.05 > 2.5)) - beta
-    assert view.shift[0] * 0.05 == pytest.approx(-moved, rel=0.1)
+    assert view.kinds[0].shift[0] * 0.05 == pytest.approx(-moved, rel=0.1)
     some = u[np.abs(mean - 2.5) < 1.0]
     above = np.sum(mean >= 3.5)
     taken = some[:60_000]
@@ -287,7 +287,7 @@ def test_view_states_index_error_and_shift() -> None:
 
 def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
     rng = np.random.default_rng(4)
-    view = View.of(process(), QUESTION, rng)
+    [view] = View.of([process()], QUESTION, rng).kinds
     u = control_points(view, 9, rng)
     assert u.shape == (9, 2)
     mean, std = view.process.mean_and_std(u)
@@ -312,7 +312,7 @@ def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
 
 def test_a_check_fails_where_a_run_further_out_lies_on_the_other_side() -> None:
     """What the surface is sure of beyond the thresholds, not by how much it is off there."""
-    view = View.of(process(), QUESTION, np.random.default_rng(4))
+    [view] = View.of([process()], QUESTION, np.random.default_rng(4)).kinds
     u = outlying_points(view, 5)
     mean, std = view.process.mean_and_std(u)
     smallest = float(np.linalg.norm(u, axis=1).min())
@@ -346,12 +346,12 @@ def test_steep_and_flat_parts_of_a_limit_are_seen_with_their_weights() -> None:
     def response(u: FloatArray) -> FloatArray:
         return np.maximum(u[:, 0] / 4.0, 20.0 * (u[:, 1] - 2.95))
 
-    one = Question(5, 0, SystemUnits(1), (Criterion(1.0),), np.zeros((2, 1), dtype=np.int64))
+    one = Question((5,), 0, SystemUnits(1), (Criterion(1.0),), np.zeros((2, 1), dtype=np.int64))
     # change of pf for one unit of the response
     steep, flat = stats.norm.pdf(3.0) / 20.0, 4.0 * stats.norm.pdf(4.0)
     for seed in range(3):
         rng = np.random.default_rng(seed)
-        cloud, influence = limit_cloud(response, None, 1.3, one.answers(response), rng)
+        cloud, influence = limit_cloud(response, None, 1.3, one.answers([response])[1][0], rng)
         weighted = influence[0] * cloud.weights
         assert weighted.sum() == pytest.approx(steep + flat, rel=0.25)
         found = weighted[cloud.u[:, 1] > 2.5].sum() / weighted.sum()
@@ -373,7 +373,7 @@ def test_a_step_that_no_other_run_comes_to_is_found_and_doubted(beyond: float) -
 
 def test_control_points_lie_near_the_limits_and_where_nobody_was() -> None:
     rng = np.random.default_rng(5)
-    view = View.of(process(), QUESTION, rng)
+    [view] = View.of([process()], QUESTION, rng).kinds
     points = control_points(view, 30, rng)
     distance = np.abs(plane(points)[:, None] - [2.5, 4.0]).min(axis=1)
     assert np.median(distance[:20]) < 0.2
@@ -385,15 +385,16 @@ def test_control_points_lie_near_the_limits_and_where_nobody_was() -> None:
 
 def test_stability_needs_steps_and_certainty() -> None:
     rng = np.random.default_rng(6)
-    view = View.of(process(), QUESTION, rng)
+    view = View.of([process()], QUESTION, rng)
     certain = replace(view, beta_std=np.zeros(2))
     stability = Stability(0.01, [certain, certain])
     assert not stability.reached
     stability.views.append(certain)
     assert stability.reached
     assert not Stability(0.01, [certain, certain, replace(view, beta_std=np.full(2, 0.1))]).reached
-    lifted = fit_gaussian_process(view.process.u, view.process.y + 0.1, trend=1)
-    other = replace(View.of(lifted, QUESTION, rng), beta_std=np.zeros(2))
+    below = view.kinds[0].process
+    lifted = fit_gaussian_process(below.u, below.y + 0.1, trend=1)
+    other = replace(View.of([lifted], QUESTION, rng), beta_std=np.zeros(2))
     assert not Stability(0.01, [certain, certain, other]).reached
     assert not Stability(0.01, [other, certain, certain]).reached
     assert Stability(0.01, [other, certain, certain, certain]).reached

@@ -94,7 +94,7 @@ def candidates(process: GaussianProcess, u: FloatArray, nodes: FloatArray) -> Ca
         covariance=covariance(u, u),
         with_answers=covariance(u, nodes) @ influence.T,
         levels=np.array([0.5]),
-        noise_variance=covariance.noise_variance,
+        noise_variance=np.full(len(u), covariance.noise_variance),
     )
 
 

@@ -1,6 +1,7 @@
 """Influence of the surface on pf, against finite differences of the system algebra itself."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import pytest
 from uqfold.moments.conditional import AtomicDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.system.conditional import system_failure
+from uqfold.problems.structure import KOutOfN
+from uqfold.system.conditional import system_failure, system_failures_of_kinds
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.influence import influences
+from uqfold.system.structure import SystemUnits, diagram
 from uqfold.typing import FloatArray
 
 Z = np.linspace(-8.0, 8.0, 401)
@@ -53,7 +56,7 @@ CRITERIA = [
 def test_influence_is_the_derivative_of_pf(units: int, criterion: Criterion) -> None:
     """Raise the surface a little around one place, and see what happens to pf."""
     f = bent(Z)
-    (found,) = influences(response(f), units, [criterion])
+    ((found,),) = influences(response(f), units, [criterion])
     fine = np.linspace(-8.0, 8.0, 40_001)
     density = np.exp(-0.5 * fine**2) / math.sqrt(2.0 * math.pi)
     rest = found.rest(bent(fine))
@@ -66,11 +69,59 @@ def test_influence_is_the_derivative_of_pf(units: int, criterion: Criterion) -> 
     step = 1e-5
     for centre in (-2.0, -0.8, 0.0, 1.0, 2.2):
         weight = bump(fine, centre)
-        predicted = found.jump * at_level * float(bump(np.array([crossing]), centre)[0])
+        predicted = float(found.jumps[0]) * at_level * float(bump(np.array([crossing]), centre)[0])
         predicted += float(np.sum(density * rest * weight) * (fine[1] - fine[0]))
         up, down = (pf(f + sign * step * bump(Z, centre), units, criterion) for sign in (1.0, -1.0))
         change = (up - down) / (2.0 * step)
         assert predicted == pytest.approx(change, rel=0.02, abs=2e-3), centre
+
+
+SORTS = {"offsets": np.array([0.0, 0.4, -0.3]), "of_sorts": np.array([0, 2, 1, 0, 2])}
+DIFFERENT = [
+    # three sorts of two kinds, two units of which are alike: in series, and 3 of 5
+    SystemUnits(5, None, of_kinds=np.array([0, 0, 1]), **SORTS),
+    SystemUnits(
+        5, diagram(KOutOfN(3), tuple("abcde")), of_kinds=np.array([0, 0, 1]), **SORTS
+    ),
+]  # fmt: skip
+
+
+ASKED = [(DIFFERENT[0], one) for one in CRITERIA[2:6]] + [
+    # under tau all units must work
+    (DIFFERENT[1], one) for one in CRITERIA if one.tau is None
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("units", "criterion"), ASKED, ids=str)
+def test_influence_of_units_that_differ(units: SystemUnits, criterion: Criterion) -> None:
+    """Raise one surface in one place, wherever its units with their offsets are decided."""
+    surfaces = [bent(Z), 9.9 + 0.8 * Z]
+
+    def pf_of(raised: Sequence[FloatArray]) -> float:
+        responses = [[response(one)] for one in raised]
+        return system_failures_of_kinds(responses, [1.0], units, [criterion])[0].pf
+
+    found = influences([response(one) for one in surfaces], units, [criterion])
+    fine = np.linspace(-8.0, 8.0, 40_001)
+    density = np.exp(-0.5 * fine**2) / math.sqrt(2.0 * math.pi)
+    step = 1e-5
+    for kind, (f, (own,)) in enumerate(zip(surfaces, found, strict=True)):
+        values = np.interp(fine, Z, f)
+        for centre in (-0.8, 0.6, 1.5):
+            weight = bump(fine, centre)
+            predicted = float(np.sum(density * own.rest(values) * weight) * (fine[1] - fine[0]))
+            for level, jump in zip(own.levels, own.jumps, strict=True):
+                at = np.interp(level, values, fine)
+                if values[0] < level < values[-1]:
+                    slope = np.interp(at, fine, np.gradient(values, fine))
+                    height = math.exp(-0.5 * at**2) / math.sqrt(2.0 * math.pi) / slope
+                    predicted += jump * height * float(bump(np.array([at]), centre)[0])
+            up, down = (
+                pf_of([one + sign * step * bump(Z, centre) * (place == kind)
+                       for place, one in enumerate(surfaces)])
+                for sign in (1.0, -1.0)
+            )  # fmt: skip
+            assert predicted == pytest.approx((up - down) / (2.0 * step), rel=0.02, abs=2e-3)
 
 
 @pytest.mark.parametrize("units", [1, 3])
@@ -78,15 +129,15 @@ def test_influence_is_the_derivative_of_pf(units: int, criterion: Criterion) -> 
 def test_failure_of_one_mission_is_roughly_that_of_the_algebra(
     units: int, criterion: Criterion
 ) -> None:
-    (found,) = influences(response(bent(Z)), units, [criterion])
+    ((found,),) = influences(response(bent(Z)), units, [criterion])
     exact = pf(bent(Z), units, Criterion(criterion.threshold, criterion.tau))
     assert found.failure == pytest.approx(exact, rel=0.01, abs=1e-12)
 
 
 def test_constant_and_missing_responses_have_no_spread_part() -> None:
     asked = [Criterion(1.0, tau=0.5), Criterion(-1.0, tau=0.5)]
-    constant = influences(ConditionalResponse(AtomicDistribution((0.0,))), 3, asked)
+    (constant,) = influences(ConditionalResponse(AtomicDistribution((0.0,))), 3, asked)
     assert [round(one.failure, 12) for one in constant] == [0.0, 1.0]
     assert all((one.rest(np.array([0.0, 0.5])) == 0.0).all() for one in constant)
-    nothing = influences(ConditionalResponse(None, p_never=1.0), 3, asked)
-    assert all(one.jump == 0.0 for one in nothing)
+    (nothing,) = influences(ConditionalResponse(None, p_never=1.0), 3, asked)
+    assert all(one.jumps == 0.0 for one in nothing)

@@ -19,7 +19,6 @@ from uqfold.methods import OpenTURNSFORM
 from uqfold.system.linearised import linearised_failure
 from uqfold.system.structure import SystemUnits, diagram
 from uqfold.testing.linear_normal import works_as
-from uqfold.typing import FloatArray
 
 NAMES = tuple(f"u{i}" for i in range(6))
 CUTS = [[0, 1], [2, 3], [1, 4, 2], [0, 3, 5]]
@@ -131,16 +130,17 @@ def test_a_long_expression_is_read_and_built_without_recursion() -> None:
     assert failure == pytest.approx(math.expm1(900 * math.log1p(-1e-6)) ** 2, rel=1e-10)
 
 
-def test_how_failure_changes_with_that_of_the_units() -> None:
+def test_how_failure_changes_with_that_of_each_unit() -> None:
     found = diagram(CutSets(CUTS), NAMES)
-
-    def failure(p: float) -> float:
-        column: FloatArray = np.full((6, 1), p)
-        return float(found.probabilities(column, 1.0 - column)[0][0])
-
-    value, slope = found.with_derivative(0.3)
-    assert value == pytest.approx(failure(0.3), rel=1e-14)
-    assert slope == pytest.approx((failure(0.3 + 1e-5) - failure(0.3 - 1e-5)) / 2e-5, rel=1e-8)
+    fails = np.random.default_rng(1).random((6, 4))
+    failure, changes = found.with_derivatives(fails, 1.0 - fails)
+    np.testing.assert_allclose(failure, found.probabilities(fails, 1.0 - fails)[0], rtol=1e-14)
+    for unit, change in enumerate(changes):
+        # the failure of a system is linear in that of each unit
+        surely = np.where(np.arange(6)[:, None] == unit, 1.0, fails)
+        never = np.where(np.arange(6)[:, None] == unit, 0.0, fails)
+        ends = [found.probabilities(one, 1.0 - one)[0] for one in (never, surely)]
+        np.testing.assert_allclose(change, ends[1] - ends[0], rtol=1e-12, atol=1e-15)
 
 
 def test_a_structure_that_needs_too_many_nodes_is_refused(monkeypatch: Any) -> None:

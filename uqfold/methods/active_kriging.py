@@ -1,11 +1,11 @@
 """Active-learning Kriging: a Gaussian process that asks for the runs that its answers hang on.
 
-Units and missions share one response surface over the inputs of one unit, so one process is
-learned and all criteria are read off it. The loop is made of separate parts: a first design
-(`surrogates.designs`), candidates that gather where the surface decides the answers
-(`surrogates.importance_cloud`, `system.influence`), a learning function that picks a batch of
-them (`surrogates.learning`), a stopping rule with an independent check (`active_stopping`), and
-the integration over the surface (`response_surface`), which reaches rare events without sampling.
+Units of one kind, and missions, share one response surface over the inputs of one unit, so one
+process for each kind is learned and all criteria are read off them. The loop is made of separate
+parts: a first design (`surrogates.designs`), candidates that gather where the surfaces decide the
+answers (`surrogates.importance_cloud`, `system.influence`), a learning function that picks a batch
+of them (`surrogates.learning`), a stopping rule with an independent check (`active_stopping`), and
+the integration over the surfaces (`response_surface`), which reaches rare events without sampling.
 """
 
 from __future__ import annotations
@@ -28,12 +28,19 @@ from uqfold.methods.active_stopping import (
     outlying_points,
     unvisited,
 )
-from uqfold.methods.active_view import View
+from uqfold.methods.active_view import KindView, View
+from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.ask_tell import SequentialMethod, Steps
-from uqfold.methods.base import Solution, Task
-from uqfold.methods.design_runs import DesignRuns, affordable_runs, design_runs
+from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.design_runs import (
+    DesignRuns,
+    affordable_runs,
+    design_runs,
+    runs_of_kinds,
+    sorted_out,
+)
 from uqfold.methods.fitted_kind import FittedKind, Rival
-from uqfold.methods.growing_design import Growth, first_runs
+from uqfold.methods.growing_design import STREAMS, Growth, divided, first_runs
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
 from uqfold.methods.theory import Theory
@@ -65,6 +72,8 @@ _NEAR = 0.1
 _FAR = 4.0
 # A miss by less than this share of the runs' median distance to the threshold is little.
 _LITTLE = 0.1
+# Share of an answer from which units whose limit no run has come near make it an extrapolation.
+_AT_STAKE = 0.01
 # Steps of learning in which grown runs are spent at most, about.
 _STEPS_TO_DOUBLE = 12
 # Share of the runs with which the first check looks further out.
@@ -80,7 +89,7 @@ class ActiveKrigingDetails:
     surface
         The trained Gaussian process, with training points, hyperparameters, `mean` and `std`.
     history_runs
-        Training runs (S,) at each step of learning.
+        Training runs (S,) at each step of learning, of all kinds of units together.
     history_beta, history_std
         Reliability indices (S, C), cut at +-8, and their stated standard deviations: of all
         criteria, or of 200 spread among more.
@@ -89,6 +98,8 @@ class ActiveKrigingDetails:
         joined it afterwards.
     errors
         Where the stated errors come from.
+    of_other_kinds
+        The same for the surfaces of other kinds of units, in the order in which they occur.
     """
 
     surface: GaussianProcess
@@ -97,31 +108,34 @@ class ActiveKrigingDetails:
     history_std: FloatArray
     checks: tuple[Check, ...]
     errors: ErrorParts
+    of_other_kinds: tuple[ActiveKrigingDetails, ...] = ()
 
     @classmethod
     def of(
-        cls,
-        surface: GaussianProcess,
-        stability: Stability,
-        checks: Sequence[Check],
-        errors: ErrorParts,
+        cls, stability: Stability, checks: Sequence[Sequence[Check]], errors: ErrorParts
     ) -> ActiveKrigingDetails:
-        """Gather what the loop has seen."""
+        """Gather what the loop has seen, of each kind."""
         views = stability.views
-        return cls(
-            surface=surface,
-            history_runs=np.array([view.process.y.size for view in views], dtype=np.int64),
-            history_beta=np.array([view.beta for view in views]),
-            history_std=np.array([view.beta_std for view in views]),
-            checks=tuple(checks),
-            errors=errors,
+        first, *others = (
+            cls(
+                surface=kind.process,
+                history_runs=np.array([view.runs for view in views], dtype=np.int64),
+                history_beta=np.array([view.beta for view in views]),
+                history_std=np.array([view.beta_std for view in views]),
+                checks=tuple(own),
+                errors=errors,
+            )
+            for kind, own in zip(views[-1].kinds, checks, strict=True)
         )
+        return replace(first, of_other_kinds=tuple(others))
 
 
 @dataclass(frozen=True)
 class ActiveKriging(SequentialMethod):
     """Kriging that chooses its own runs, for all criteria at once, and has itself checked.
 
+    Units of several kinds, which have models or inputs of their own, have a surface each; the next
+    runs are those that tell most about the system, of whichever kind.
     It is ``converged`` only if no reliability index has moved by more than `tolerance` over two
     steps, none is stated to be less certain than that, and `controls` runs kept out of the
     training set agree with the surface. Otherwise it learns on, until `runs` are spent. The first
@@ -133,18 +147,19 @@ class ActiveKriging(SequentialMethod):
     Attributes
     ----------
     runs
-        Most evaluations, control runs included; fewer if the budget allows fewer. More than
-        1,000 are `unsupported`. None: 100, or five for each input if that is more; where a budget
-        is given that allows more, they are doubled as long as the stated error is above its
-        target and this may help.
+        Most evaluations of all kinds of units together, control runs included; fewer if the budget
+        allows fewer. More than 1,000 are `unsupported`. None: for each kind 100, or five for each
+        input if that is more; where a budget is given that allows more, they are doubled as long
+        as the stated error is above its target and this may help.
     initial
-        Runs of the first design; None: three for each input, at least 12. Never fewer than a
-        fit needs, which is two for each input and two more.
+        Runs of the first design of each kind; None: three for each input, at least 12. Never fewer
+        than a fit needs, which is two for each input and two more.
     batch
-        Runs of each step, which may be made in parallel.
+        Runs of each step, which may be made in parallel; so many times the number of kinds.
     explore
-        How many of them go where no run has been yet, whatever the surface says: they find
-        failure regions that it knows nothing of. None: one, and none where a batch is one run.
+        How many of them, for each kind, go where no run has been yet, whatever the surface says:
+        they find failure regions that it knows nothing of. None: one, and none where a batch is
+        one run.
     learning
         ``variance``: the runs that reduce the posterior variance of the answers most. ``u`` and
         ``eff``: the classical functions U and EFF; they know levels only, so that rows with a
@@ -159,7 +174,7 @@ class ActiveKriging(SequentialMethod):
         Change of a reliability index -Phi^-1(pf) that does not matter: 0.005 is 1.3 % of pf at
         1e-2 and 2.5 % at 1e-6.
     controls
-        Runs of each check near the answers.
+        Runs of each check near the answers, for each kind.
     target_cov
         Stated error, relative to pf or to the reliability, whichever is smaller, that is aimed for:
         a row that states more is ``doubtful``.
@@ -175,6 +190,7 @@ class ActiveKriging(SequentialMethod):
     theory: ClassVar[Theory] = ACTIVE_KRIGING
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
+    units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
     adaptive: ClassVar[bool] = True
 
     runs: int | None = None
@@ -211,165 +227,225 @@ class ActiveKriging(SequentialMethod):
         return True
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Refuse more training runs than the steps of learning can bear."""
+        """Refuse more training runs than learning can bear, and units that have no surface."""
         if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
-        return super().supports(problem, criterion)
+        why = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        kinds = problem.kinds
+        if why is None and len(kinds.models) > 1 and kinds.n_individual == 0:
+            return (
+                f"{self.name} learns of several kinds of units from what is their own, and these "
+                "share all of their inputs: let one model return what the structure makes of them"
+            )
+        return why
 
     def _steps(self, task: Task) -> Steps:
-        inputs, rng = task.problem.inputs, task.generator()
-        least = 2 * inputs.dimension + 2
-        asked = first_runs(self.runs, inputs.dimension, MAX_RUNS)
-        total = affordable_runs(task, asked, least)
+        kinds, rng = task.problem.kinds, task.generator()
+        count, dimensions = len(kinds.inputs), [inputs.dimension for inputs in kinds.inputs]
+        least = [2 * d + 2 for d in dimensions]
+        needed = [first_runs(None, d, MAX_RUNS) for d in dimensions]
+        asked = min(sum(needed), MAX_RUNS) if self.runs is None else self.runs
+        total = affordable_runs(task, asked, sum(least))
         growth = Growth.of(task, self.runs, total, MAX_RUNS)
-        first = max(12, 3 * inputs.dimension) if self.initial is None else max(self.initial, least)
-        u = space_filling_design(min(first, total), inputs.dimension, rng)
-        [design] = yield from design_runs(task, [u], [asked], [least])
-        runs, u, y = design, design.u, design.y
+        first = [
+            max(12, 3 * d) if self.initial is None else max(self.initial, few)
+            for d, few in zip(dimensions, least, strict=True)
+        ]
+        sizes = divided(min(sum(first), total), first, least)
+        design = [space_filling_design(n, d, rng) for n, d in zip(sizes, dimensions, strict=True)]
+        known = yield from design_runs(task, design, sizes, least)
         kernels: tuple[Kernel, ...]
         kernels = ("gaussian", "matern52") if self.kernel == "best" else (self.kernel,)
-        fits = KernelFits(kernels, self.noise)
-        stability, checks, stopped = Stability(self.tolerance), list[Check](), ""
-        new, met = np.empty((0, inputs.dimension)), np.empty(0)
-        batch, unchecked, aside = self.batch, 0, 0
+        fits = [KernelFits(kernels, self.noise) for _ in dimensions]
+        stability, stopped = Stability(self.tolerance), ""
+        checks: list[list[Check]] = [[] for _ in dimensions]
+        nothing = [(np.empty((0, d)), np.empty(0)) for d in dimensions]
+        runs, last = known, nothing
+        batch, unchecked, aside = self.batch * count, 0, 0
+
+        def answered(why: str) -> tuple[Solution, float]:
+            return self._answered(task, runs, stability, checks, last, why, rng)
+
         while True:
-            known = DesignRuns(u, y, y.size)
-            if not known.fittable:
-                return known.without_surface(task)
+            for kind, own in enumerate(known):
+                if not own.fittable:
+                    return own.without_surface(task, kinds.said(kind, task.problem.unit_names))
             try:
                 view = self._view(task, known, fits, rng)
             except TimeLimitError as error:
                 stopped = str(error)
                 # what was learned before is an answer
                 if stability.views:
-                    return self._answered(task, runs, stability, checks, (new, met), stopped, rng)[
-                        0
-                    ]
+                    return answered(stopped)[0]
                 view = self._view(task, known, fits, rng)
-            runs = known
+            runs, last = known, nothing
             stability.views.append(view)
-            new, met = np.empty((0, inputs.dimension)), np.empty(0)
             if stopped:
-                return self._answered(task, runs, stability, checks, (new, met), stopped, rng)[0]
+                return answered(stopped)[0]
             if task.session.watched:
                 task.session.report(view.running())
-            left = total - y.size - aside
-            outliers = 0 if checks else min(2 * inputs.dimension + 1, int(_OUTLYING * total))
-            affordable = left >= self.controls + outliers
-            check_now = stability.reached and affordable and y.size >= unchecked
+            made = sum(own.y.size for own in runs)
+            left = total - made - aside
+            outliers = [
+                0 if own else min(2 * d + 1, int(_OUTLYING * total / count))
+                for own, d in zip(checks, dimensions, strict=True)
+            ]
+            affordable = left >= count * self.controls + sum(outliers)
+            check_now = stability.reached and affordable and made >= unchecked
             if left > 0:
+                new = [u for u, _ in nothing]
                 try:
                     if check_now:
-                        near = control_points(view, self.controls, rng)
-                        new = np.concatenate([near, outlying_points(view, outliers)])
+                        new = [
+                            np.concatenate(
+                                [control_points(one, self.controls, rng), outlying_points(one, n)]
+                            )
+                            for one, n in zip(view.kinds, outliers, strict=True)
+                        ]
                     else:
                         new = self._next(view, runs, min(batch, left), rng)
-                    met = yield inputs.from_standard_normal(new)
+                    met = yield from runs_of_kinds(task, new)
                 except TimeLimitError as error:
-                    last = new, error.responses
-                    return self._answered(task, runs, stability, checks, last, str(error), rng)[0]
+                    met = sorted_out(new, error.responses)
+                    last = list(zip(new, met, strict=True))
+                    return answered(str(error))[0]
+                last = list(zip(new, met, strict=True))
             if check_now:
-                k = self.controls
-                further = Outlying.of(view, new[k:], met[k:])
-                checks.append(Check.of(view, new[:k], met[:k], self.tolerance, further))
-                # those further out that agree would teach nothing of what is near
-                agree = k + np.flatnonzero(~further.missed(view.question.levels))
-                aside += agree.size
-                new, met = np.delete(new, agree, axis=0), np.delete(met, agree)
-            if left == 0 or (check_now and checks[-1].passed):
-                why = stability.unfinished(checks) if left == 0 else ""
-                found, shortfall = self._answered(
-                    task, runs, stability, checks, (new, met), why, rng
-                )
-                more = growth.next_size(y.size + met.size + aside, shortfall)
+                last = [
+                    self._learnable(kind, own, *pair)
+                    for kind, own, pair in zip(view.kinds, checks, last, strict=True)
+                ]
+                aside += sum(len(u) for u in new) - sum(len(u) for u, _ in last)
+            passed = check_now and all(own[-1].passed for own in checks)
+            if left == 0 or passed:
+                found, shortfall = answered(stability.unfinished(checks) if left == 0 else "")
+                spent = made + sum(met.size for _, met in last) + aside
+                more = growth.next_size(spent, shortfall)
                 if more is None:
                     return found
                 more = max(more, total)
                 task.session.expect(more)
-                total, unchecked = more, more - self.controls
+                total, unchecked = more, more - count * self.controls
                 batch = max(batch, more // _STEPS_TO_DOUBLE)
                 if left == 0:
                     # the same runs will be looked at once more
                     stability.views.pop()
-            u, y = np.concatenate([u, new]), np.concatenate([y, met])
+            known = [own.with_more(*pair) for own, pair in zip(runs, last, strict=True)]
+
+    def _learnable(
+        self, kind: KindView, checks: list[Check], u: FloatArray, y: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Add the check of one kind by runs (m, d), (m,); and return those that may be learned.
+
+        Those further out that agree would teach nothing of what is near.
+        """
+        k = self.controls
+        further = Outlying.of(kind, u[k:], y[k:])
+        checks.append(Check.of(kind, u[:k], y[:k], self.tolerance, further))
+        agree = k + np.flatnonzero(~further.missed(kind.answers.levels))
+        return np.delete(u, agree, axis=0), np.delete(y, agree)
 
     def _answered(
         self,
         task: Task,
-        runs: DesignRuns,
+        runs: Sequence[DesignRuns],
         stability: Stability,
-        checks: Sequence[Check],
-        last: tuple[FloatArray, FloatArray],
+        checks: Sequence[Sequence[Check]],
+        last: Sequence[tuple[FloatArray, FloatArray]],
         why: str,
         rng: np.random.Generator,
     ) -> tuple[Solution, float]:
         """Answer from what was learned of `runs`, and tell how far the error is from its target.
 
         The `last` runs, of a check that has passed or not learned from in time, do not belong to
-        the surface; those that no surface describes speak against it all the same. Learning stops
-        where the posterior looks certain, which is also where it is by chance: so the stated error
-        contains how far the answers have moved in the last steps.
+        the surfaces; those that no surface describes speak against them all the same. Learning
+        stops where the posterior looks certain, which is also where it is by chance: so the stated
+        error contains how far the answers have moved over the last steps.
         """
-        new, met = last
-        view = stability.views[-1]
-        surface = view.process
-        beyond = np.flatnonzero(~np.isfinite(met))
-        runs = DesignRuns(
-            np.concatenate([runs.u, new[beyond]]),
-            np.concatenate([runs.y, met[beyond]]),
-            runs.asked + beyond.size,
-        )
-        trust = [surface.leave_one_out().ratio, *(check.overconfidence for check in checks[-1:])]
+        view, kinds = stability.views[-1], task.problem.kinds
+        trust, fitted = [1.0], []
+        for place, (kind, made, own, (u, y)) in enumerate(
+            zip(view.kinds, runs, checks, last, strict=True)
+        ):
+            surface, beyond = kind.process, np.flatnonzero(~np.isfinite(y))
+            trust += [surface.leave_one_out().ratio, *(one.overconfidence for one in own[-1:])]
+            behind = made.with_more(u[beyond], y[beyond])
+            rivals = _rivals(task, place, surface, own)
+            fitted.append(FittedKind(surface, behind, surface.noise_std, rivals))
+        largest = max(one.runs.y.size for one in fitted)
         found = surface_estimates(
-            task,
-            [FittedKind(surface, runs, surface.noise_std, _rivals(task, surface, checks))],
-            rng,
+            task, fitted, rng,
             target_cov=self.target_cov,
-            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // runs.y.size),
-            beta_std=view.question.for_all(
-                np.hypot(max(1.0, *trust) * view.beta_std, stability.moved)
-            ),
+            max_points=min(MAX_POINTS, _MOST_CORRELATIONS // largest),
+            beta_std=view.question.for_all(np.hypot(max(trust) * view.beta_std, stability.moved)),
             stated_noise=self.noise,
         )  # fmt: skip
-        estimates = [
-            _qualified(estimate, why, _doubts(criterion, surface, checks))
-            for criterion, estimate in zip(task.criteria, found.estimates, strict=True)
-        ]
-        details = ActiveKrigingDetails.of(surface, stability, checks, found.errors)
-        return Solution(estimates, details), found.shortfall
+        estimates = []
+        for row, (criterion, estimate) in enumerate(
+            zip(task.criteria, found.estimates, strict=True)
+        ):
+            near = view.question.neighbours[:, row]
+            doubts = [
+                kinds.said(place, task.problem.unit_names) + doubt
+                for place, (kind, own) in enumerate(zip(view.kinds, checks, strict=True))
+                for doubt in _doubts(
+                    criterion,
+                    view.question.levels(criterion.threshold, place),
+                    kind.answers.stakes[near].max(axis=0),
+                    kind.process,
+                    own,
+                )
+            ]
+            estimates.append(_qualified(estimate, why, doubts))
+        return Solution(
+            estimates, ActiveKrigingDetails.of(stability, checks, found.errors)
+        ), found.shortfall
 
     @staticmethod
-    def _view(task: Task, runs: DesignRuns, fits: KernelFits, rng: np.random.Generator) -> View:
-        """Fit a process to the runs and look at it."""
-        fit = fits.fit(runs.u[runs.finite], runs.y[runs.finite])
-        return View.of(fit, Question.of(task, runs), rng)
+    def _view(
+        task: Task, runs: Sequence[DesignRuns], fits: Sequence[KernelFits], rng: np.random.Generator
+    ) -> View:
+        """Fit a process to the runs of each kind and look at them."""
+        processes = [
+            fit.fit(own.u[own.finite], own.y[own.finite])
+            for fit, own in zip(fits, runs, strict=True)
+        ]
+        return View.of(processes, Question.of(task, runs), rng)
 
     def _next(
-        self, view: View, runs: DesignRuns, size: int, rng: np.random.Generator
-    ) -> FloatArray:
-        """Choose the runs (size, d) of the next step."""
-        explored = min(self.explore or 0, size - 1)
-        u, candidates = view.candidates(rng)
-        chosen = u[candidates.batch(self.learning, size - explored)]
-        # fewer candidates than wanted leave room for exploration
-        known = np.concatenate([runs.u, chosen])
-        return np.concatenate([chosen, unvisited(view, known, size - chosen.shape[0], rng)])
+        self, view: View, runs: Sequence[DesignRuns], size: int, rng: np.random.Generator
+    ) -> list[FloatArray]:
+        """Choose the runs (size, d) of the next step, of all kinds together."""
+        count = len(runs)
+        explored = min((self.explore or 0) * count, size - 1)
+        chosen = view.next_runs(self.learning, size - explored, rng)
+        # fewer candidates than wanted leave room for exploration, in which kinds take turns
+        rest = size - sum(len(points) for points in chosen)
+        found = []
+        for place, (kind, own, points) in enumerate(zip(view.kinds, runs, chosen, strict=True)):
+            share = rest // count + (place < rest % count)
+            known = np.concatenate([own.u, points])
+            found.append(np.concatenate([points, unvisited(kind, known, share, rng)]))
+        return found
 
 
-def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> list[Rival]:
+def _rivals(
+    task: Task, place: int, surface: GaussianProcess, checks: Sequence[Check]
+) -> list[Rival]:
     """Fit other surfaces to the same runs: with the trend of a sparse expansion, another kernel.
 
     What the runs leave open shows where these disagree, also where the process trusts itself.
     A rival counts the less, the worse it foretells the runs of the last check.
     """
     u, y, noise = surface.u, surface.y, surface.noise_std
+    stream = 2 + place * STREAMS
     kernel: Kernel = "matern52" if surface.kernel == "gaussian" else "gaussian"
     try:
         trend = fit_polynomial_chaos(u, y).indices
         others = [
-            fit_gaussian_process(u, y, noise=noise, trend=trend, rng=task.generator(2)),
+            fit_gaussian_process(u, y, noise=noise, trend=trend, rng=task.generator(stream)),
             fit_gaussian_process(
-                u, y, noise=noise, trend=surface.trend, kernel=kernel, rng=task.generator(2)
+                u, y, noise=noise, trend=surface.trend, kernel=kernel, rng=task.generator(stream)
             ),
         ]
     except TimeLimitError:
@@ -388,18 +464,35 @@ def _rivals(task: Task, surface: GaussianProcess, checks: Sequence[Check]) -> li
     ]
 
 
-def _doubts(criterion: Criterion, surface: GaussianProcess, checks: Sequence[Check]) -> list[str]:
-    """Why an answer should not be believed although the surface has passed its check."""
+def _doubts(
+    criterion: Criterion,
+    levels: FloatArray,
+    stakes: FloatArray,
+    surface: GaussianProcess,
+    checks: Sequence[Check],
+) -> list[str]:
+    """Why an answer should not be believed although a surface has passed its check.
+
+    Parameters
+    ----------
+    criterion
+        What was asked.
+    levels, stakes
+        Where units of each sort (S,) of this kind fail, and the share of the answer that goes with
+        them.
+    surface, checks
+        The surface of this kind, and its checks.
+    """
     doubts = []
-    level = np.array([criterion.threshold])
-    against = sum(int(check.outlying.against(level).sum()) for check in checks)
+    finite = levels[np.isfinite(levels)]
+    against = sum(int(check.outlying.against(levels).sum()) for check in checks)
     if against:
         doubts.append(
             f"{against} of {sum(check.outlying.y.size for check in checks)} runs further out lie "
             "on the other side of the threshold, or nearer to it, than the surface was sure of: "
             "where that begins no run tells"
         )
-    wrong = _on_the_wrong_side(criterion.threshold, surface)
+    wrong = max((_on_the_wrong_side(level, surface) for level in finite.tolist()), default=0)
     if wrong:
         doubts.append(
             f"{wrong} of {surface.y.size} runs lie on the other side of the threshold than the "
@@ -411,9 +504,10 @@ def _doubts(criterion: Criterion, surface: GaussianProcess, checks: Sequence[Che
             f"the response changes within {shortest:.2g} standard deviations of an input, as if "
             "it jumped, which no smooth surface can follow"
         )
-    if criterion.tau is None and math.isfinite(criterion.threshold):
+    if criterion.tau is None and finite.size:
         near = _NEAR * float(np.ptp(surface.y))
-        if not surface.y.min() - near <= criterion.threshold <= surface.y.max() + near:
+        beyond = (levels < surface.y.min() - near) | (levels > surface.y.max() + near)
+        if (beyond & (stakes > _AT_STAKE)).any():
             doubts.append("no run has come near the threshold: pf is an extrapolation")
     return doubts
 

@@ -1,4 +1,4 @@
-"""What a response surface is asked: the criteria of a task, and where they are decided."""
+"""What response surfaces are asked: the criteria of a task, and where they are decided."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE
 from uqfold.system.missions import over_missions
+from uqfold.system.refinement import Compared
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface_plan import plan_surface
-from uqfold.system.surface_rule import Surface
+from uqfold.system.surface_plan import plans_of_kinds, rules_of_kinds
+from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
-# Points of the integration over the surface at every step of learning: enough to see how much the
+# Points of the integration over the surfaces at every step of learning: enough to see how much the
 # answers still move. The final answers take many more.
 _COARSE_POINTS = 6_000
 MOST_LEARNED = 200
@@ -29,25 +30,34 @@ _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Failure probabilities under a mean surface, and how they answer to its changes.
+    """How failure probabilities answer to changes of the surface of one kind of units.
 
     Attributes
     ----------
-    question
-        What was asked.
-    pf
-        Failure probabilities (C,), coarsely; None where a single response decides them, which
-        sampling tells as well.
+    dimension
+        Number of variables.
     shared_nodes
         Nodes (K, d_shared) in standard-normal space at which `influences` are given.
     influences
         Influence of the response at each node, for each criterion.
+    usable
+        Tells where responses (of points (n, d)) are finite, or None: everywhere.
+    stakes
+        Share (C, S) of each answer, failure or success as whichever is smaller, in which the units
+        of each sort take part.
     """
 
-    question: Question
-    pf: FloatArray | None
+    dimension: int
     shared_nodes: FloatArray
     influences: Sequence[Sequence[Influence]]
+    usable: Callable[[FloatArray], BoolArray] | None
+    stakes: FloatArray
+
+    @property
+    def levels(self) -> FloatArray:
+        """The finite responses (L,) at which units pass a threshold."""
+        levels = np.unique([one.levels for one in self.influences[0]])
+        return np.asarray(levels[np.isfinite(levels)])
 
     def influence_at(
         self, u: FloatArray, mean: FloatArray, std: FloatArray, thickness: FloatArray
@@ -63,17 +73,17 @@ class Answers:
         thickness
             Least standard deviation (N,) with which levels are seen.
         """
-        nearest, values = self._jumps(u)
-        for row, criterion in enumerate(self.question.criteria):
-            values[row] *= normal_density(criterion.threshold, mean, np.maximum(std, thickness))
+        seen = np.maximum(std, thickness)
+        values = self._jumps(u, lambda level: normal_density(level, mean, seen))
+        nearest = self._nearest(u)
         for node in np.unique(nearest):
             here = nearest == node
             for row, own in enumerate(self.influences[node]):
                 if own.y.size:
                     values[row, here] += own.rest(mean[here])
-        if self.question.usable is not None:
+        if self.usable is not None:
             # another infinite response would teach the surface nothing
-            values *= self.question.usable(u)
+            values *= self.usable(u)
         return values
 
     def beyond(self, u: FloatArray, mean: FloatArray, std: FloatArray, centre: float) -> FloatArray:
@@ -90,59 +100,71 @@ class Answers:
         """
         from scipy.special import ndtr
 
-        values = self._jumps(u)[1]
-        for row, criterion in enumerate(self.question.criteria):
-            above = (mean - criterion.threshold) / std
-            values[row] *= ndtr(-above if centre > criterion.threshold else above)
-        return values
+        def other_side(level: float) -> FloatArray:
+            above = (mean - level) / std
+            return np.asarray(ndtr(-above if centre > level else above))
 
-    def _jumps(self, u: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Nearest shared node (N,) of points u (N, d), and the weights (C, N) of thresholds."""
+        return self._jumps(u, other_side)
+
+    def _nearest(self, u: FloatArray) -> IntArray:
+        """Nearest shared node (N,) of points u (N, d)."""
         v = u[:, : self.shared_nodes.shape[1]]
-        nearest = ((v[:, None, :] - self.shared_nodes) ** 2).sum(axis=2).argmin(axis=1)
-        jumps = np.array([[own.jump for own in at_node] for at_node in self.influences])
-        return nearest, jumps.T[:, nearest]
+        return np.asarray(((v[:, None, :] - self.shared_nodes) ** 2).sum(axis=2).argmin(axis=1))
+
+    def _jumps(self, u: FloatArray, at: Callable[[float], FloatArray]) -> FloatArray:
+        """Values (C, N) of a function of levels, weighed by their jumps at points u (N, d)."""
+        jumps = np.array([[own.jumps for own in node] for node in self.influences])
+        weights = np.moveaxis(jumps, 0, -1)[..., self._nearest(u)]
+        values = np.zeros((len(self.influences[0]), len(u)))
+        for row, own in enumerate(self.influences[0]):
+            for level, weight in zip(own.levels.tolist(), weights[row], strict=True):
+                if weight.any():
+                    values[row] += weight * at(level)
+        return values
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """The criteria of a task as functionals of a response surface over standard-normal space.
+    """The criteria of a task as functionals of response surfaces over standard-normal space.
 
     Attributes
     ----------
-    dimension, n_shared
-        Number of variables, and how many of them (the first ones) are shared.
+    dimensions, n_shared
+        Number of variables of each kind of units, and how many of them (the first ones) are shared.
     units
-        The exchangeable units and their structure.
+        The units and their structure.
     criteria
         The criteria that are learned from: all, or some spread among many.
     neighbours
         Positions (2, n) in `criteria` of those on both sides of each criterion of the task.
     usable
-        Tells where responses (of points (n, d)) are finite, or None: everywhere.
+        Tells where responses (of points (n, d)) of each kind are finite, or None: everywhere.
     """
 
-    dimension: int
+    dimensions: tuple[int, ...]
     n_shared: int
     units: SystemUnits
     criteria: tuple[Criterion, ...]
     neighbours: IntArray
-    usable: Callable[[FloatArray], BoolArray] | None = None
+    usable: tuple[Callable[[FloatArray], BoolArray] | None, ...] = (None,)
 
     @classmethod
-    def of(cls, task: Task, runs: DesignRuns) -> Question:
+    def of(cls, task: Task, runs: Sequence[DesignRuns]) -> Question:
         """Return the question of a task; where it has finite responses, the runs so far tell."""
-        inputs = task.problem.inputs
 
-        def usable(u: FloatArray) -> BoolArray:
-            return np.asarray(runs.outcomes(u) == FINITE)
+        def usable(own: DesignRuns) -> Callable[[FloatArray], BoolArray] | None:
+            def finite(u: FloatArray) -> BoolArray:
+                return np.asarray(own.outcomes(u) == FINITE)
 
+            return None if own.complete else finite
+
+        kinds = task.problem.kinds
         return cls(
-            inputs.dimension,
-            inputs.n_shared,
+            tuple(inputs.dimension for inputs in kinds.inputs),
+            kinds.n_shared,
             SystemUnits.of(task.problem),
             *_spread_among(task.criteria),
-            None if runs.complete else usable,
+            tuple(map(usable, runs)),
         )
 
     def for_all(self, errors: FloatArray) -> FloatArray:
@@ -153,33 +175,73 @@ class Question:
     def together(self) -> bool:
         """Whether all units and missions give one response: one of each, or all is shared."""
         single = self.units.count == 1 and all(c.missions == 1 for c in self.criteria)
-        return single or self.n_shared == self.dimension
+        return single or self.n_shared == max(self.dimensions)
 
-    @property
-    def levels(self) -> FloatArray:
-        """The finite thresholds (L,)."""
-        levels = np.unique([c.threshold for c in self.criteria])
-        return np.asarray(levels[np.isfinite(levels)])
-
-    def answers(self, mean: Surface) -> Answers:
-        """Integrate over a surface, coarsely."""
+    def levels(self, threshold: float, kind: int) -> FloatArray:
+        """Responses (S,) at which units of each sort of a kind pass a threshold of the system."""
         if self.together:
-            nothing = np.empty(0)
-            single = [
-                Influence(math.nan, c.threshold, flown(c), nothing, nothing) for c in self.criteria
-            ]
-            return Answers(self, None, np.zeros((1, 0)), [single])
-        rule = plan_surface(mean, self.dimension, self.n_shared).rule(_COARSE_POINTS)
-        found = [
-            influences(response, self.units, self.criteria)
-            for response in rule.responses(mean(rule.points))
+            return np.array([threshold - self.units.shift])
+        return self.units.thresholds(threshold, kind)
+
+    def answers(self, means: Sequence[Surface]) -> tuple[FloatArray | None, list[Answers]]:
+        """Integrate over the surfaces of all kinds, coarsely.
+
+        Returns
+        -------
+        tuple[FloatArray | None, list[Answers]]
+            Failure probabilities (C,), None where a single response decides them, which sampling
+            tells as well; and how they answer to the surface of each kind.
+        """
+        if self.together:
+            return None, [self._alone()]
+        dimensions, count = self.dimensions, len(means)
+        plans = plans_of_kinds(
+            means, dimensions, self.n_shared, 1, [Compared()] * count, MAX_POINTS
+        )
+        rules = rules_of_kinds(plans, _COARSE_POINTS, [np.empty(0)] * count)
+        of_kinds = [
+            rule.responses(mean(rule.points)) for rule, mean in zip(rules, means, strict=True)
         ]
-        failure = np.array([[one.failure for one in at_node] for at_node in found])
-        pf = [
-            rule.weights @ over_missions(column, 1.0 - column, criterion.missions)[0]
+        weights = rules[0].weights
+        found = [
+            influences(responses, self.units, self.criteria)
+            for responses in zip(*of_kinds, strict=True)
+        ]
+        failure = np.array([[one.failure for one in at_node[0]] for at_node in found])
+        both = [
+            [
+                float(weights @ share)
+                for share in over_missions(column, 1.0 - column, criterion.missions)
+            ]
             for column, criterion in zip(failure.T, self.criteria, strict=True)
         ]
-        return Answers(self, np.array(pf), rule.shared_nodes, found)
+        pf = np.array(both)[:, 0]
+        side = np.argmin(both, axis=1)
+        smaller = np.min(both, axis=1)[:, None]
+        answers = []
+        for kind, (rule, usable) in enumerate(zip(rules, self.usable, strict=True)):
+            own = [at_node[kind] for at_node in found]
+            stakes = np.tensordot(weights, [[c.stakes for c in node] for node in own], axes=1)
+            smallest = stakes[np.arange(side.size), side]
+            # what never happens is an extrapolation for all units
+            share = np.where(smaller > 0.0, smallest / np.maximum(smaller, 1e-300), 1.0)
+            answers.append(Answers(dimensions[kind], rule.shared_nodes, own, usable, share))
+        return pf, answers
+
+    def _alone(self) -> Answers:
+        """How the only response answers for the system."""
+        nothing = np.empty((1, 0))
+        single = [
+            Influence(
+                math.nan, self.levels(c.threshold, 0), np.array([flown(c)]), np.ones((2, 1)),
+                nothing, nothing,
+            )
+            for c in self.criteria
+        ]  # fmt: skip
+        no_nodes = np.zeros((1, 0))
+        return Answers(
+            self.dimensions[0], no_nodes, [single], self.usable[0], np.ones((len(single), 1))
+        )
 
 
 def _spread_among(criteria: tuple[Criterion, ...]) -> tuple[tuple[Criterion, ...], IntArray]:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from uqfold.methods.active_view import View
+from uqfold.methods.active_view import KindView, View
 from uqfold.surrogates.importance_cloud import WideProposal, resampled
 from uqfold.typing import BoolArray, FloatArray
 
@@ -67,15 +67,16 @@ class Stability:
         moves = [np.zeros(now.beta.size), *(now.moved_since(view) for view in before)]
         return np.asarray(np.max(moves, axis=0))
 
-    def unfinished(self, checks: Sequence[Check]) -> str:
-        """Return why the loop ended before its end."""
-        if checks and not checks[-1].passed and not self.reached:
+    def unfinished(self, checks: Sequence[Sequence[Check]]) -> str:
+        """Return why the loop ended before its end; checks are those of each kind, in order."""
+        last = [own[-1] for own in checks if own]
+        if not self.reached and not all(check.passed for check in last):
             why = "the last check by independent runs did not agree with the surface"
         elif self.reached:
             why = "no runs were left to check the surface independently"
         else:
             why = f"the reliability indices were not yet stable to {self.tolerance:g}"
-        return f"after {self.views[-1].process.y.size} training runs {why}"
+        return f"after {self.views[-1].runs} training runs {why}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ class Outlying:
     std: FloatArray
 
     @classmethod
-    def of(cls, view: View, u: FloatArray, y: FloatArray) -> Outlying:
+    def of(cls, view: KindView, u: FloatArray, y: FloatArray) -> Outlying:
         """Keep responses y (m,) at u (m, d) beside the surrogate of a view."""
         mean, std = view.process.mean_and_std(u)
         return cls(u, y, mean, np.hypot(std, view.process.noise_std))
@@ -159,7 +160,7 @@ class Check:
     @classmethod
     def of(
         cls,
-        view: View,
+        view: KindView,
         u: FloatArray,
         y: FloatArray,
         tolerance: float,
@@ -170,7 +171,7 @@ class Check:
         Parameters
         ----------
         view
-            The surrogate, and how its surface moves the answers.
+            The surrogate of one kind of units, and how its surface moves the answers.
         u, y
             The runs.
         tolerance
@@ -187,7 +188,7 @@ class Check:
         z = np.abs(residuals / std)[finite]
         matters = np.abs(residuals[finite]) * view.shift.max() > tolerance
         explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
-        agreed = not outlying.missed(view.question.levels).any()
+        agreed = not outlying.missed(view.answers.levels).any()
         passed = bool(explained or not matters.any()) and agreed
         return cls(u, residuals, std, passed, outlying)
 
@@ -198,7 +199,7 @@ class Check:
         return _rms(z) if z.size else 1.0
 
 
-def control_points(view: View, count: int, rng: np.random.Generator) -> FloatArray:
+def control_points(view: KindView, count: int, rng: np.random.Generator) -> FloatArray:
     """Choose points (count, d) for a check.
 
     Two thirds are drawn near the limits, in proportion to their share in the answers; the others
@@ -216,14 +217,14 @@ def control_points(view: View, count: int, rng: np.random.Generator) -> FloatArr
     return np.concatenate([near, unvisited(view, known, count - near.shape[0], rng)])
 
 
-def outlying_points(view: View, most: int) -> FloatArray:
+def outlying_points(view: KindView, most: int) -> FloatArray:
     """Choose points (at most `most`, d) further out than the answers reach, for a check.
 
     One lies outwards of the most important point, the others on both sides along each input, in
     the order of their distance from all runs: steps, ends of a range and what breaks down mostly
     begin at a value of one input, which other runs need never come to.
     """
-    d = view.question.dimension
+    d = view.answers.dimension
     length = _radius(view, _BEYOND)
     axes = length * np.concatenate([np.eye(d), -np.eye(d)])
     centre = view.u[int(np.argmax(view.importance))]
@@ -232,12 +233,14 @@ def outlying_points(view: View, most: int) -> FloatArray:
     return np.concatenate([onwards[None, :], axes[np.argsort(-distance, kind="stable")]])[:most]
 
 
-def unvisited(view: View, known: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+def unvisited(
+    view: KindView, known: FloatArray, count: int, rng: np.random.Generator
+) -> FloatArray:
     """Choose points (count, d) far from all known ones, but not further out than matters.
 
     A failure region beyond the radius in use holds less than two percent of the smallest pf.
     """
-    d = view.question.dimension
+    d = view.answers.dimension
     reach = _radius(view, _SHARE)
     wide = WideProposal(d).draw(np.clip(rng.random((_LOOKED_AT, d + 1)), 1e-12, 1.0 - 1e-12))
     length = np.sqrt((wide**2).sum(axis=1))
@@ -250,7 +253,7 @@ def unvisited(view: View, known: FloatArray, count: int, rng: np.random.Generato
     return chosen
 
 
-def _radius(view: View, share: float) -> float:
+def _radius(view: KindView, share: float) -> float:
     """Distance beyond which a half-space holds less than a share of the smallest pf."""
     from scipy.special import ndtri
 

@@ -1,18 +1,19 @@
-"""A fitted process seen through a question: its answers, their error, and where to learn more."""
+"""Fitted processes seen through a question: answers, their error, and where to learn more."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from uqfold.evaluation import RunningEstimate
-from uqfold.methods.active_question import Question, flown
+from uqfold.methods.active_question import Answers, Question, flown
 from uqfold.methods.limit_cloud import limit_cloud
 from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.surrogates.importance_cloud import ImportanceCloud, resampled
-from uqfold.surrogates.learning import Candidates
+from uqfold.surrogates.learning import Candidates, LearningFunction
 from uqfold.surrogates.posterior_covariance import PosteriorCovariance
 from uqfold.typing import FloatArray
 
@@ -20,28 +21,26 @@ FARTHEST_BETA = 8.0
 """Reliability indices beyond this are treated as this: 6e-16, no more to be learned there."""
 
 _NODES = 800
-_CANDIDATES = 400
+_CANDIDATES, _FEWEST_CANDIDATES = 400, 100
 _FRESH = 8192
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 
 
 @dataclass(frozen=True, eq=False)
-class View:
-    """A fitted process seen through the question: answers, their uncertainty, where to learn.
+class KindView:
+    """The process of one kind of units, and where the answers hang on it.
 
     Attributes
     ----------
     process
         The process.
-    question
-        The question.
+    answers
+        How the answers hang on its surface.
     pf
-        Failure probabilities (C,).
-    beta, beta_std
-        Their reliability indices, cut at +-FARTHEST_BETA, and the standard deviations (C,) of
-        these that the posterior covariance of the process implies, to first order.
+        Failure probabilities (C,) of the system.
     shift
-        Change (C,) of the indices if the whole surface were shifted by one unit of the response.
+        Change (C,) of their reliability indices if the whole surface were shifted by one unit of
+        the response.
     u, importance
         Points (N, d) of a cloud, and the share (N,) that each of them has in the answers.
     nodes, node_influence
@@ -51,10 +50,8 @@ class View:
     """
 
     process: GaussianProcess
-    question: Question
+    answers: Answers
     pf: FloatArray
-    beta: FloatArray
-    beta_std: FloatArray
     shift: FloatArray
     u: FloatArray
     importance: FloatArray
@@ -62,40 +59,95 @@ class View:
     node_influence: FloatArray
     covariance: PosteriorCovariance
 
+    @property
+    def spread(self) -> FloatArray:
+        """Variances (C,) of the indices that the posterior of the process implies."""
+        covariance = self.covariance(self.nodes, self.nodes)
+        found = ((self.node_influence @ covariance) * self.node_influence).sum(axis=1)
+        return np.asarray(np.maximum(found, 0.0))
+
+    def candidates(self, most: int, rng: np.random.Generator) -> tuple[FloatArray, Candidates]:
+        """Draw points (at most `most`, d) that may be run next, from where the surface matters."""
+        uncertain = self.importance * self.process.std(self.u)
+        half = most // 2
+        picked = np.concatenate(
+            [resampled(self.importance, half, rng), resampled(uncertain, half, rng)]
+        )
+        u = self.u[np.unique(picked)]
+        return u, Candidates(
+            mean=self.process.mean(u),
+            covariance=self.covariance(u, u),
+            with_answers=self.covariance(u, self.nodes) @ self.node_influence.T,
+            levels=np.tile(self.answers.levels, (len(u), 1)),
+            noise_variance=np.full(len(u), self.covariance.noise_variance),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Fitted processes seen through the question: answers, their uncertainty, where to learn.
+
+    Attributes
+    ----------
+    kinds
+        The process of each kind of units.
+    question
+        The question.
+    pf
+        Failure probabilities (C,).
+    beta, beta_std
+        Their reliability indices, cut at +-FARTHEST_BETA, and the standard deviations (C,) of
+        these that the posterior covariances of the processes imply, to first order.
+    """
+
+    kinds: tuple[KindView, ...]
+    question: Question
+    pf: FloatArray
+    beta: FloatArray
+    beta_std: FloatArray
+
     @classmethod
-    def of(cls, process: GaussianProcess, question: Question, rng: np.random.Generator) -> View:
-        """Look at a process."""
-        answers = question.answers(process.mean)
-        cloud, influence = limit_cloud(
-            process.mean, process.std, float(process.y.std()), answers, rng
-        )
-        pf = _sampled(process, question, cloud, rng) if answers.pf is None else answers.pf
-        beta, density = _index(pf)
-        weighted = influence * cloud.weights
-        total = np.abs(weighted).sum(axis=1, keepdims=True)
-        some = total[:, 0] > 0.0
-        if some.any():
-            importance = (np.abs(weighted[some]) / total[some]).mean(axis=0)
-        else:
-            importance = cloud.weights / cloud.weights.sum()
-        picked = resampled(importance, _NODES, rng)
-        share = _NODES * importance[picked] / importance.sum()
-        node_influence = weighted[:, picked] / share / density[:, None]
-        nodes, covariance = cloud.u[picked], PosteriorCovariance(process)
-        spread = ((node_influence @ covariance(nodes, nodes)) * node_influence).sum(axis=1)
-        return cls(
-            process=process,
-            question=question,
-            pf=pf,
-            beta=beta,
-            beta_std=np.sqrt(np.maximum(spread, 0.0)),
-            shift=np.abs(weighted).sum(axis=1) / density,
-            u=cloud.u,
-            importance=importance,
-            nodes=nodes,
-            node_influence=node_influence,
-            covariance=covariance,
-        )
+    def of(
+        cls, processes: Sequence[GaussianProcess], question: Question, rng: np.random.Generator
+    ) -> View:
+        """Look at the process of each kind."""
+        pf, answers = question.answers([one.mean for one in processes])
+        kinds: list[KindView] = []
+        for process, own in zip(processes, answers, strict=True):
+            cloud, influence = limit_cloud(
+                process.mean, process.std, float(process.y.std()), own, rng
+            )
+            if pf is None:
+                pf = _sampled(process, question, cloud, rng)
+            beta, density = _index(pf)
+            weighted = influence * cloud.weights
+            total = np.abs(weighted).sum(axis=1, keepdims=True)
+            some = total[:, 0] > 0.0
+            if some.any():
+                importance = (np.abs(weighted[some]) / total[some]).mean(axis=0)
+            else:
+                importance = cloud.weights / cloud.weights.sum()
+            picked = resampled(importance, _NODES, rng)
+            share = _NODES * importance[picked] / importance.sum()
+            kind = KindView(
+                process=process,
+                answers=own,
+                pf=pf,
+                shift=total[:, 0] / density,
+                u=cloud.u,
+                importance=importance,
+                nodes=cloud.u[picked],
+                node_influence=weighted[:, picked] / share / density[:, None],
+                covariance=PosteriorCovariance(process),
+            )
+            kinds.append(kind)
+        spread = np.sum([kind.spread for kind in kinds], axis=0)
+        return cls(tuple(kinds), question, kinds[0].pf, beta, np.sqrt(spread))
+
+    @property
+    def runs(self) -> int:
+        """Training runs, of all kinds together."""
+        return sum(kind.process.y.size for kind in self.kinds)
 
     def running(self) -> RunningEstimate:
         """Return the state of the criterion that is least certain so far."""
@@ -112,24 +164,24 @@ class View:
 
     def moved_since(self, earlier: View) -> FloatArray:
         """How far the indices (C,) have moved since an earlier view, to first order."""
-        change = self.process.mean(self.nodes) - earlier.process.mean(self.nodes)
-        return np.asarray(np.abs(self.node_influence @ change))
+        moves = [
+            kind.node_influence @ (kind.process.mean(kind.nodes) - before.process.mean(kind.nodes))
+            for kind, before in zip(self.kinds, earlier.kinds, strict=True)
+        ]
+        return np.asarray(np.abs(np.sum(moves, axis=0)))
 
-    def candidates(self, rng: np.random.Generator) -> tuple[FloatArray, Candidates]:
-        """Draw points (M, d) that may be run next, from where the surface matters."""
-        uncertain = self.importance * self.process.std(self.u)
-        half = _CANDIDATES // 2
-        picked = np.concatenate(
-            [resampled(self.importance, half, rng), resampled(uncertain, half, rng)]
-        )
-        u = self.u[np.unique(picked)]
-        return u, Candidates(
-            mean=self.process.mean(u),
-            covariance=self.covariance(u, u),
-            with_answers=self.covariance(u, self.nodes) @ self.node_influence.T,
-            levels=self.question.levels,
-            noise_variance=self.covariance.noise_variance,
-        )
+    def next_runs(
+        self, learning: LearningFunction, size: int, rng: np.random.Generator
+    ) -> list[FloatArray]:
+        """Choose points (k, d) of each kind, `size` in all or fewer, that teach most together."""
+        most = max(_FEWEST_CANDIDATES, _CANDIDATES // len(self.kinds))
+        u, candidates = zip(*(kind.candidates(most, rng) for kind in self.kinds), strict=True)
+        chosen = np.array(Candidates.of_all(candidates).batch(learning, size), dtype=np.int64)
+        ends = np.cumsum([len(points) for points in u])
+        return [
+            points[chosen[(chosen >= end - len(points)) & (chosen < end)] - end + len(points)]
+            for points, end in zip(u, ends.tolist(), strict=True)
+        ]
 
 
 def _index(pf: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -150,7 +202,7 @@ def _sampled(
     mean, std = process.mean_and_std(u)
     found = []
     for criterion in question.criteria:
-        z = (mean - criterion.threshold) / std
+        z = (mean + question.units.shift - criterion.threshold) / std
         late, early = float(weights @ ndtr(z)), float(weights @ ndtr(-z))
         # the weights sum to one only roughly: the smaller probability is the accurate one
         single = late if late < early else max(0.0, 1.0 - early)

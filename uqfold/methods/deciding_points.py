@@ -68,14 +68,14 @@ def deciding_points(
         if len(fitted) == 1 and not units.offsets.any():
             alone = {c.threshold: replace(c, tau=None) for c in sure}
             asked = [alone[threshold] for threshold in thresholds_looked_at(sure)]
-            question = Question.of(replace(task, criteria=tuple(asked)), one.runs)
+            question = Question.of(replace(task, criteria=tuple(asked)), [one.runs])
         else:
             # what one unit weighs in its system depends on all others: its own limits count
             own = units.thresholds([c.threshold for c in sure], kind).ravel().tolist()
             asked = [Criterion(t) for t in thresholds_looked_at([Criterion(t) for t in own])]
             neighbours = np.zeros((2, len(asked)), dtype=np.int64)
             question = Question(
-                inputs.dimension, inputs.n_shared, SystemUnits(1), tuple(asked), neighbours
+                (inputs.dimension,), inputs.n_shared, SystemUnits(1), tuple(asked), neighbours
             )
         count = min(AT_EACH, most // (len(fitted) * max(len(asked), 1)))
         some = count >= _FEWEST and asked
@@ -87,12 +87,11 @@ def _at_limits(
     one: FittedKind, question: Question, count: int, rng: np.random.Generator
 ) -> FloatArray:
     scatter = float(one.known.std())
-
-    answers = question.answers(one.surface.mean)
+    _, [answers] = question.answers([one.surface.mean])
     cloud, influence = limit_cloud(one.surface.mean, None, scatter, answers, rng)
     # models seldom mean anything further out
     within = np.abs(cloud.u).max(axis=1) <= MAX_COORDINATE
-    points = [_none(question.dimension)]
+    points = [_none(answers.dimension)]
     for row in np.abs(influence) * cloud.weights * within:
         # each point once
         some = min(count, int(np.count_nonzero(row)))

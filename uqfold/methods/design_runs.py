@@ -147,7 +147,7 @@ def design_runs(
     try:
         y = yield from runs_of_kinds(task, u)
     except TimeLimitError as error:
-        stopped, y = str(error), _sorted_out(u, error.responses)
+        stopped, y = str(error), sorted_out(u, error.responses)
         if any(found.size < few for found, few in zip(y, least, strict=True)):
             raise
     return [
@@ -176,7 +176,7 @@ def runs_of_kinds(
         ]
     )
     y = yield x[_turns(u)]
-    return _sorted_out(u, y)
+    return sorted_out(u, y)
 
 
 def _turns(u: Sequence[FloatArray]) -> IntArray:
@@ -185,7 +185,7 @@ def _turns(u: Sequence[FloatArray]) -> IntArray:
     return np.argsort(np.concatenate(shares), kind="stable")
 
 
-def _sorted_out(u: Sequence[FloatArray], y: FloatArray) -> list[FloatArray]:
+def sorted_out(u: Sequence[FloatArray], y: FloatArray) -> list[FloatArray]:
     """Return the responses of each kind from the first ones of all turns."""
     kinds = np.repeat(np.arange(len(u)), [len(points) for points in u])[_turns(u)]
     return [y[kinds[: y.size] == kind] for kind in range(len(u))]

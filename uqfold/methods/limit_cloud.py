@@ -43,7 +43,7 @@ def limit_cloud(
     rng
         Source of randomness.
     """
-    d = answers.question.dimension
+    d = answers.dimension
     least = max(_LEAST * scatter, 1e-300)
     centre = float(surface(np.zeros((1, d)))[0])
     across = rng.standard_normal(d)

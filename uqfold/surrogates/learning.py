@@ -15,8 +15,9 @@ failure. Statistics and Computing 22 (2012) 773-793 (stepwise uncertainty reduct
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -40,37 +41,39 @@ class Candidates:
         Posterior covariances (M, C) with the C answers, each answer in units in which the
         uncertainties of all of them compare.
     levels
-        Responses (L,) that decide between failure and success.
+        Responses (M, L) that decide between failure and success, at each point.
     noise_variance
-        Variance of a run's noise.
+        Variances (M,) of a run's noise.
     """
 
     mean: FloatArray
     covariance: FloatArray
     with_answers: FloatArray
     levels: FloatArray
-    noise_variance: float
+    noise_variance: FloatArray
 
     def scores(self, learning: LearningFunction) -> FloatArray:
         """Score (M,) of each candidate, the highest being the best."""
         variance = np.maximum(np.diag(self.covariance), 0.0)
         if learning == "variance":
             explained = (self.with_answers**2).sum(axis=1)
-            return np.asarray(explained / self._spread(variance))
+            return np.asarray(explained / self._spread)
         std = np.sqrt(np.maximum(variance, 1e-300))
         if learning == "u":
             return np.asarray(-u_function(self.mean, std, self.levels))
         return expected_feasibility(self.mean, std, self.levels)
 
-    def _spread(self, variance: Any) -> Any:
-        """Variance of what a run will answer, no less than rounding leaves of it."""
-        floor = 1e-12 * float(np.diag(self.covariance).max())
-        return np.maximum(variance, 0.0) + max(self.noise_variance, floor, 1e-300)
+    @property
+    def _spread(self) -> FloatArray:
+        """Variances (M,) of what runs will answer, no less than rounding leaves of them."""
+        variance = np.diag(self.covariance)
+        least = max(1e-12 * float(variance.max()), 1e-300)
+        return np.maximum(variance, 0.0) + np.maximum(self.noise_variance, least)
 
     def after(self, index: int) -> Candidates:
         """What is left to learn once candidate `index` has been run, whatever it answers."""
         column = self.covariance[:, index]
-        gain = column / self._spread(column[index])
+        gain = column / self._spread[index]
         return Candidates(
             mean=self.mean,
             covariance=self.covariance - np.outer(gain, column),
@@ -78,6 +81,24 @@ class Candidates:
             levels=self.levels,
             noise_variance=self.noise_variance,
         )
+
+    @classmethod
+    def of_all(cls, each: Sequence[Candidates]) -> Candidates:
+        """Join the candidates of several processes, which know nothing of each other."""
+        from scipy.linalg import block_diag
+
+        most = max(one.levels.shape[1] for one in each)
+        return cls(
+            np.concatenate([one.mean for one in each]),
+            block_diag(*(one.covariance for one in each)),
+            np.concatenate([one.with_answers for one in each]),
+            # the last level once more where others have more of them
+            np.concatenate(
+                [np.pad(one.levels, ((0, 0), (0, most - one.levels.shape[1])), "edge")
+                 for one in each]
+            ),
+            np.concatenate([one.noise_variance for one in each]),
+        )  # fmt: skip
 
     def batch(self, learning: LearningFunction, size: int) -> list[int]:
         """Choose runs that are to be made together: each as if those before it were done.
@@ -96,7 +117,10 @@ class Candidates:
 
 
 def u_function(mean: FloatArray, std: FloatArray, levels: FloatArray) -> FloatArray:
-    """Return U (M,): standard deviations between the mean and the nearest level; small is near."""
+    """Return U (M,): standard deviations between the mean and the nearest level; small is near.
+
+    Levels are the same for all (L,), or of each (M, L), in `expected_feasibility` as well.
+    """
     if levels.size == 0:
         return np.full(mean.shape, np.inf)
     distance = np.abs(mean[:, None] - levels).min(axis=1)

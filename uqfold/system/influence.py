@@ -1,21 +1,26 @@
 """How the failure probability of a system answers to a small change of the response surface.
 
-Let f(v, u) be the response of one unit, with density h and distribution function H given the
-shared inputs v. If f changes by df, the failure probability of one mission of n units given v
-changes by
+Let f_j(v, u) be the response of one unit of sort j with its offset added, h_j its density and H_j
+its distribution function given the shared inputs v, and c_j the number of such units. If f_j
+changes by df, the failure probability of one mission given v changes by
 
-    n E_u[ { J delta(f - T) + s(f) } df ],       J = [H(T) - H(T - tau)]^(n-1),
+    c_j E_u[ { J_j delta(f_j - T) + s_j(f_j) } df ].
 
-    s(y) = (n-1) { h(y - tau) [H(y) - H(y - tau)]^(n-2)
-                   - h(y + tau) [H(y + tau) - H(y)]^(n-2)  (the latter for y + tau < T) },  y < T,
+Without tau J_j is how the failure of the system answers to that of one unit of the sort, for any
+structure, and s_j = 0. With tau, in series,
 
-the derivative of the order-statistics integral in `synchronized`: J for a response that passes the
-threshold, s for one that spreads or closes a mission. Without tau, J = H(T)^(n-1) and s = 0.
-Several missions multiply by the derivative of `over_missions`.
+    J_j = prod [H_i(T) - H_i(T - tau)],
+
+    s_j(y) = sum_k (c_k - [k = j]) { h_k(y - tau) prod [H_i(y) - H_i(y - tau)]
+                   - h_k(y + tau) prod [H_i(y + tau) - H_i(y)]  (the latter for y + tau < T) },
+
+for y < T, with products over all other units: the derivative of the order-statistics integral in
+`synchronized`. J_j is for a response that passes the threshold, s_j for one that spreads or closes
+a mission. Several missions multiply by the derivative of `over_missions`.
 
 This is what a surrogate has to know: where the product of this influence and of its own
 uncertainty is large, another evaluation teaches most. The accuracy is that of a trapezoidal rule
-over the distribution's own panels, enough to say where a surface matters; answers come from
+over the distributions' own panels, enough to say where a surface matters; answers come from
 `conditional`.
 """
 
@@ -30,101 +35,153 @@ import numpy as np
 from uqfold.moments.conditional import ConditionalDistribution, integrable
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.conditional_unit import UnitResponse
 from uqfold.system.structure import SystemUnits
+from uqfold.system.synchronized import failure_of_units
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 
-_ALMOST_SURE = 1.0 - 2.0**-53
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
+# Stands for 0 in a logarithm.
+_TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
 class Influence:
-    """Influence of one unit's response on pf, given the shared inputs.
+    """Influence of the response of one kind of units on pf, given the shared inputs.
 
     Attributes
     ----------
     failure
         Probability that one mission fails.
-    threshold
-        The response T at which the influence is concentrated.
-    jump
-        Weight of the concentrated part.
-    y, slope
-        The rest, per unit of the response, tabulated over responses (L,); 0 from T on.
+    levels
+        The responses (S,) at which the influence is concentrated: where units of each sort of this
+        kind pass T.
+    jumps
+        Weights (S,) of the concentrated parts.
+    stakes
+        Failure, and success, of the system that go with those of each sort (2, S), without tau.
+    y, slopes
+        The rest, per unit of the response, tabulated for each sort over responses (S, L); 0 from
+        its level on.
     """
 
     failure: float
-    threshold: float
-    jump: float
+    levels: FloatArray
+    jumps: FloatArray
+    stakes: FloatArray
     y: FloatArray
-    slope: FloatArray
+    slopes: FloatArray
 
     def rest(self, y: FloatArray) -> FloatArray:
         """Value of the spread part at responses y."""
-        if self.y.size == 0:
-            return np.zeros(y.shape)
-        return np.asarray(np.where(y < self.threshold, np.interp(y, self.y, self.slope), 0.0))
+        value = np.zeros(y.shape)
+        if self.y.size:
+            for level, places, slope in zip(self.levels, self.y, self.slopes, strict=True):
+                value += np.where(y < level, np.interp(y, places, slope), 0.0)
+        return value
 
 
 def influences(
-    response: ConditionalResponse, units: SystemUnits | int, criteria: Sequence[Criterion]
-) -> list[Influence]:
-    """Influence of one unit's response on pf of each criterion, given the shared inputs.
+    responses: ConditionalResponse | Sequence[ConditionalResponse],
+    units: SystemUnits | int,
+    criteria: Sequence[Criterion],
+) -> list[list[Influence]]:
+    """Influence of the responses of each kind of units on pf of each criterion.
 
     Parameters
     ----------
-    response
-        Response given the shared inputs; infinite responses and failed runs are left out.
+    responses
+        Response of a unit of each kind given the shared inputs; a single one where all are of one
+        kind. Infinite responses and failed runs have no influence.
     units
-        The exchangeable units and their structure, or the number n of units in series.
+        The units and their structure, or the number n of units in series.
     criteria
         Threshold, tau and missions of each.
     """
-    distribution = response.distribution
-    if distribution is None:
-        nothing = np.empty(0)
-        return [Influence(math.nan, c.threshold, 0.0, nothing, nothing) for c in criteria]
-    table = _Scores.of(distribution)
+    each = [responses] if isinstance(responses, ConditionalResponse) else list(responses)
     units = SystemUnits.of(units)
-    found = []
-    late = distribution.sf(np.array([criterion.threshold for criterion in criteria]))
-    for criterion, sf in zip(criteria, late.tolist(), strict=True):
+    thresholds = np.array([criterion.threshold for criterion in criteria])
+    alone = [UnitResponse([response], np.ones(1)) for response in each]
+    fails, works = failure_of_units(alone, units, thresholds)
+    failures, changes = units.with_derivatives(fails, works)
+    finite = np.array([response.distribution is not None for response in each])
+    changes = changes * finite[units.of_kinds][:, None]
+    spread = [_Scores.of(one.distribution) for one in each if one.distribution is not None]
+    tables = [one for one in spread if one is not None]
+    known = len(tables) == len(each)
+    own = [units.of_kinds == kind for kind in range(len(each))]
+    found: list[list[Influence]] = [[] for _ in each]
+    for column, criterion in enumerate(criteria):
         check_time()
-        failure, jump, y, slope = _of_mission(sf, table, units, criterion)
-        factor = units.count * _mission_factor(criterion, failure)
-        found.append(Influence(failure, criterion.threshold, factor * jump, y, factor * slope))
+        failure, jumps = float(failures[column]), changes[:, column]
+        y = slopes = np.empty((len(units.of_kinds), 0))
+        if criterion.tau is not None and units.count > 1 and known:
+            sorts = [tables[kind] for kind in units.of_kinds]
+            apart, jumps, y, slopes = _within(sorts, units, criterion.threshold, criterion.tau)
+            failure = min(failure + apart, 1.0)
+        factor = _mission_factor(criterion, failure)
+        levels = units.thresholds(criterion.threshold)
+        stakes = factor * jumps * np.stack([fails[:, column], works[:, column]])
+        for kind, some in enumerate(own):
+            parts = levels[some], factor * jumps[some], stakes[:, some]
+            found[kind].append(Influence(failure, *parts, y[some], factor * slopes[some]))
     return found
 
 
-def _of_mission(
-    sf: float,
-    table: _Scores | None,
-    units: SystemUnits,
-    criterion: Criterion,
-) -> tuple[float, float, FloatArray, FloatArray]:
-    """Failure, jump and tabulated rest of one mission, per unit."""
-    threshold, tau, n = criterion.threshold, criterion.tau, units.count
-    if units.diagram is not None:
-        failure, change = units.diagram.with_derivative(min(sf, _ALMOST_SURE))
-        return failure, change / n, np.empty(0), np.empty(0)
-    log_works = math.log1p(-min(sf, _ALMOST_SURE))
-    failure = -math.expm1(n * log_works)
-    if tau is None or n == 1 or table is None:
-        return failure, math.exp((n - 1) * log_works), np.empty(0), np.empty(0)
-    y = table.grid(threshold, tau)
-    (cdf, density), (cdf_earlier, density_earlier) = table(y), table(y - tau)
-    cdf_later, density_later = table(np.minimum(y + tau, threshold))
-    near, nearest = table(np.array([threshold, threshold - tau]))[0]
+def _within(
+    sorts: Sequence[_Scores], units: SystemUnits, threshold: float, tau: float
+) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    """Failure by tau alone, jumps (J,), and where (J, L) and what (J, L) the rest is, under tau."""
+    counts, offsets = np.array(units.counts)[:, None], units.offsets[:, None]
+    levels = threshold - units.offsets
+    grids = [one.grid(T, tau) + o for one, T, o in zip(sorts, levels, offsets[:, 0], strict=True)]
+    y = np.unique(np.concatenate(grids))
+
+    def at(places: FloatArray) -> tuple[FloatArray, FloatArray]:
+        values = [one(own) for one, own in zip(sorts, places - offsets, strict=True)]
+        cdf, density = zip(*values, strict=True)
+        return np.stack(cdf), np.stack(density)
+
+    (cdf, density), (cdf_earlier, density_earlier) = at(y), at(y - tau)
+    cdf_later, density_later = at(np.minimum(y + tau, threshold))
+    near, nearest = at(np.array([threshold, threshold - tau]))[0].T
     before = y + tau < threshold
+    up_to, later, earlier = (
+        _Others(np.maximum(one, 0.0), counts)
+        for one in (near[:, None] - cdf, cdf_later - cdf, cdf - cdf_earlier)
+    )
     # all in time, but the smallest response so early that not all others lie within tau of it
-    apart = (near - cdf) ** (n - 1) - (cdf_later - cdf) ** (n - 1)
-    apart = np.where(before, n * density * np.maximum(apart, 0.0), 0.0)
-    failure += float(np.sum(0.5 * (apart[1:] + apart[:-1]) * np.diff(y)))
-    spreads = density_earlier * (cdf - cdf_earlier) ** (n - 2)
-    closes = np.where(before, density_later * (cdf_later - cdf) ** (n - 2), 0.0)
-    jump = max(float(near - nearest), 0.0) ** (n - 1)
-    return min(failure, 1.0), jump, y, (n - 1) * (spreads - closes)
+    apart = np.maximum(up_to.than_one - later.than_one, 0.0)
+    apart = np.where(before, counts * density * apart, 0.0).sum(axis=0)
+    failure = float(np.sum(0.5 * (apart[1:] + apart[:-1]) * np.diff(y)))
+    closes = np.where(before, later.with_one_at(density_later), 0.0)
+    slopes = counts * (earlier.with_one_at(density_earlier) - closes)
+    jumps = counts * _Others(np.maximum(near - nearest, 0.0)[:, None], counts).than_one
+    return failure, jumps[:, 0], y - offsets, slopes
+
+
+class _Others:
+    """Products of probabilities (J, L) over all units but a few, of which c_j (J, 1) are alike."""
+
+    def __init__(self, factors: FloatArray, counts: FloatArray) -> None:
+        self.logs = np.log(np.maximum(factors, _TINY))
+        self.counts = counts
+        self.whole = (counts * self.logs).sum(axis=0)
+
+    @property
+    def than_one(self) -> FloatArray:
+        """Over all but one of each sort (J, L)."""
+        return np.asarray(np.exp(self.whole - self.logs))
+
+    def with_one_at(self, density: FloatArray) -> FloatArray:
+        """Over all but one of each sort (J, L), another one of them with its density (J, L)."""
+        rows = []
+        for sort, log in enumerate(self.logs):
+            check_time()
+            others = self.counts - (np.arange(len(self.logs)) == sort)[:, None]
+            rows.append((others * density * np.exp(self.whole - self.logs - log)).sum(axis=0))
+        return np.array(rows)
 
 
 def _mission_factor(criterion: Criterion, failure: float) -> float:

@@ -50,8 +50,12 @@ MOST_NODES = 500_000
 """A structure that needs more nodes than this is refused."""
 _MOST_VALUES = 1 << 22
 """Values of nodes held at once: bounds memory."""
+_TINY = 1e-300
+"""Stands for 0 in a logarithm."""
 
 Level: TypeAlias = tuple[int, IntArray, IntArray, IntArray]
+_Rule: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
+"""Values of the nodes of a unit, from where they go if it works and if it fails."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +79,6 @@ class Diagram:
 
     def probabilities(self, fails: FloatArray, works: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Failure and success (...) of independent units that fail and work with these (n, ...)."""
-
-        def by_chance(unit: int, if_works: FloatArray, if_fails: FloatArray) -> FloatArray:
-            return np.asarray(both[1][unit] * if_works + both[0][unit] * if_fails)
-
         shape = fails.shape[1:]
         both = np.stack([fails, works]).reshape(2, len(fails), -1)
         found = [np.empty(both.shape[2]), np.empty(both.shape[2])]
@@ -87,21 +87,38 @@ class Diagram:
             check_time()
             both = columns[:, :, start : start + step]
             for one, ends in zip(found, ((0.0, 1.0), (1.0, 0.0)), strict=True):
-                one[start : start + step] = self._value(ends, both.shape[2], by_chance)
+                value = self._values(ends, both.shape[2], _by_chance(*both))
+                one[start : start + step] = value[self.top]
         failure, success = (np.asarray(one.reshape(shape)) for one in found)
         return failure, success
 
-    def with_derivative(self, fails: float) -> tuple[float, float]:
-        """Failure if every unit fails with this probability, and how it changes with that."""
+    def with_derivatives(
+        self, fails: FloatArray, works: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Failure (m,) of independent units, and how it changes with the failure of each (n, m).
 
-        def with_slope(_: int, if_works: FloatArray, if_fails: FloatArray) -> FloatArray:
-            # values in the first column, derivatives in the second
-            mixed = np.asarray((1.0 - fails) * if_works + fails * if_fails)
-            mixed[:, 1] += if_fails[:, 0] - if_works[:, 0]
-            return np.asarray(mixed)
-
-        failure, change = self._value((0.0, np.array([1.0, 0.0])), 2, with_slope).tolist()
-        return failure, change
+        Parameters
+        ----------
+        fails, works
+            How likely units fail and work (n, m).
+        """
+        failure, changes = np.empty(fails.shape[1]), np.zeros(fails.shape)
+        step = max(1, _MOST_VALUES // self.size)
+        for start in range(0, failure.size, step):
+            check_time()
+            some = slice(start, start + step)
+            both = fails[:, some], works[:, some]
+            value = self._values((0.0, 1.0), both[0].shape[1], _by_chance(*both))
+            failure[some] = value[self.top]
+            # how the top answers to each node, from the top down
+            weight = np.zeros_like(value)
+            weight[self.top] = 1.0
+            for unit, nodes, if_works, if_fails in reversed(self.levels):
+                own = weight[nodes]
+                changes[unit, some] += (own * (value[if_fails] - value[if_works])).sum(axis=0)
+                np.add.at(weight, if_fails, both[0][unit] * own)
+                np.add.at(weight, if_works, both[1][unit] * own)
+        return failure, changes
 
     def response(self, y: FloatArray) -> FloatArray:
         """Response (...) of the system to the responses (n, ...) of its units.
@@ -118,20 +135,25 @@ class Diagram:
         for start in range(0, found.size, step):
             block = columns[:, start : start + step]
             ends = (-np.inf, np.inf)
-            found[start : start + step] = self._value(ends, block.shape[1], by_order)
+            found[start : start + step] = self._values(ends, block.shape[1], by_order)[self.top]
         return np.asarray(found.reshape(y.shape[1:]))
 
-    def _value(
-        self,
-        ends: tuple[ArrayLike, ArrayLike],
-        columns: int,
-        rule: Callable[[int, FloatArray, FloatArray], FloatArray],
-    ) -> FloatArray:
+    def _values(self, ends: tuple[float, float], columns: int, rule: _Rule) -> FloatArray:
+        """Values (size, columns) of all nodes."""
         value = np.empty((self.size, columns))
         value[WORKS], value[FAILS] = ends
         for unit, nodes, if_works, if_fails in self.levels:
             value[nodes] = rule(unit, value[if_works], value[if_fails])
-        return np.asarray(value[self.top])
+        return value
+
+
+def _by_chance(fails: FloatArray, works: FloatArray) -> _Rule:
+    """The rule of probabilities, from those (n, columns) of the units."""
+
+    def rule(unit: int, if_works: FloatArray, if_fails: FloatArray) -> FloatArray:
+        return np.asarray(works[unit] * if_works + fails[unit] * if_fails)
+
+    return rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +245,27 @@ class SystemUnits:
             log_works = np.where(fails < 0.5, np.log1p(-np.minimum(fails, 0.5)), np.log(works))
         whole = sum(count * one for count, one in zip(self.counts, log_works, strict=True))
         return -np.expm1(whole), np.exp(whole)
+
+    def with_derivatives(
+        self, fails: FloatArray, works: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Failure (m,) of one mission, and how it changes with that (J, m) of all of a sort.
+
+        Parameters are those of `mission`.
+        """
+        index = np.zeros(self.count, dtype=int) if self.of_sorts is None else self.of_sorts
+        if self.diagram is None:
+            # finite, so that the product of all others is a difference
+            logs = np.where(
+                fails < 0.5, np.log1p(-np.minimum(fails, 0.5)), np.log(np.maximum(works, _TINY))
+            )
+            counts = np.array(self.counts)[:, None]
+            whole = (counts * logs).sum(axis=0)
+            return -np.expm1(whole), counts * np.exp(whole - logs)
+        failure, of_units = self.diagram.with_derivatives(fails[index], works[index])
+        changes = np.zeros(fails.shape)
+        np.add.at(changes, index, of_units)
+        return failure, changes
 
     def shifted(self, y: FloatArray) -> FloatArray:
         """Responses (..., n) of units with their offsets added."""
