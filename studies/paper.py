@@ -1,11 +1,13 @@
 """What the examples of the paper share: conditions, grids, and the tables of their reports."""
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 from runner import Run
 
 import uqfold
@@ -23,7 +25,7 @@ CHECKED = {**FFNI, "simulation": SIMULATION}
 TAU = [0.03, 0.035, 0.04, 0.045, 0.05]
 """Synchronization thresholds (s) of Examples 4 and 5."""
 PAIRED = (
-    "The difference is that of paired runs, with a band of two standard errors: a ten-thousandth, "
+    "The difference is that of paired runs, with two standard errors: a ten-thousandth, "
     "far too small for the curves above and for the simulation."
 )
 SYMBOLS = {"V_q": "V_q", "delta": r"\delta", "b": "b", "k_d": "k_d", "C_r": "C_r"}
@@ -75,9 +77,9 @@ def accuracy_figures(page: Page, run: Run, number: int, branch: str = "") -> Non
         ("a", "one mission, without synchronization",
          run.rows(without, simulated, missions="1"), {}),
         ("b", "several missions, without synchronization",
-         several, {"curves": "missions", "check": "mc"}),
+         several, {"curves": "missions"}),
         ("c", "two and five missions, with synchronization",
-         run.rows(f"sync{tail}", f"mc-sync{tail}"), {**tau, "check": "mc"}),
+         run.rows(f"sync{tail}", f"mc-sync{tail}"), tau),
         ("d", "error without synchronization", run.rows(without), {**error, "curves": "missions"}),
         ("e", "error with synchronization", run.rows(f"sync{tail}"), {**error, **tau}),
     ):  # fmt: skip
@@ -140,13 +142,29 @@ def pair_figures(page: Page, run: Run, number: int, pairs: Iterable[tuple[int, i
             letter = next(letters)
             page.figure(
                 plots.reliability_panels(
-                    rows, ["reliability", "pf", "difference"], curves=curves, check="simulation",
-                    paired=paired,
+                    rows, ["reliability", "pf", "difference"], curves=curves, differences=paired
                 ),
                 f"Fig. {number}({letter}): conditions {pair[0]} and {pair[1]}, {words}",
                 "" if paired is None else PAIRED,
                 name=f"fig-{number}{letter}",
             )  # fmt: skip
+
+
+def independence_figure(run: Run) -> Figure:
+    """Draw correlated against independent units: R, its difference, by sampling too, and pf."""
+    table = run.rows("independence")
+    both = [
+        table.assign(problem=problem, pf=table[column])
+        for problem, column in (("correlated", "pf"), ("independent", "pf_independent"))
+    ]
+    sampled = table[table["sampled_difference"].notna()]
+    sampled = sampled.assign(
+        difference=sampled["sampled_difference"], std_error=sampled["sampled_std_error"]
+    )
+    return plots.reliability_panels(
+        pd.concat(both), ["reliability", "difference", "pf"], curves="units",
+        differences=pd.concat([table.assign(std_error=math.nan), sampled]),
+    )  # fmt: skip
 
 
 def inputs_table(problem: uqfold.Problem) -> pd.DataFrame:

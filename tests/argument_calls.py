@@ -221,7 +221,6 @@ def calls(folder: Path) -> dict[str, Call]:
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
     designs = analysis.designs_to_frame([design], cheap, max_evals=1000)
     designs = designs.assign(label="mc", problem="some")
-    separate = analysis.independence(problem, [1, 2], criteria)
     slope = {"label": "mc", "input": "a", "moment": "mean", "threshold": 1.0}
     slopes = pd.DataFrame([slope | {"per_std": 1.0, "per_std_error": 0.1}])
     index = {"label": "mc", "input": "a", "order": "main", "index": 0.5}
@@ -230,8 +229,7 @@ def calls(folder: Path) -> dict[str, Call]:
     weighed = pd.DataFrame([{"unit": "a", "threshold": 1.0, "missions": "1"} | weights])
     curve_options = {
         "curves": optional(choice("missions")),
-        "check": optional(text("mc")).also("text"),
-        "paired": optional(thing(None)),
+        "differences": optional(thing(None)),
     }
     axes, page = plots.error_against_evaluations(frame), report.Page("some")
     drawn_into = plots.error_against_evaluations(frame)
@@ -916,7 +914,6 @@ def calls(folder: Path) -> dict[str, Call]:
                 "ax": optional(thing(drawn_into)),
             },
         ),
-        "plots.independence_panels": Call(plots.independence_panels, {"table": thing(separate)}),
         "plots.reliability_panels": Call(
             plots.reliability_panels,
             {

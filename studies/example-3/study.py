@@ -24,7 +24,7 @@ from uqfold import Binomial, criteria, plots
 from uqfold.analysis import independence
 
 sys.path.append(str(Path(__file__).parents[1]))
-from paper import FFNI, errors_table, evaluations_table, inputs_table, steps
+from paper import FFNI, errors_table, evaluations_table, independence_figure, inputs_table, steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (0.02, 1e-5)
@@ -93,7 +93,7 @@ def page(run: Run) -> "uqfold.report.Page":
         figure = plots.reliability_panels(rows, **options)
         page.figure(figure, f"Fig. 15({letter}): {title}", name=f"fig-15{letter}")
     title = "Fig. 15(h): correlated against independent, n wings"
-    page.figure(plots.independence_panels(run.rows("independence")), title, name="fig-15h")
+    page.figure(independence_figure(run), title, name="fig-15h")
     return finish(page, run, FFNI)
 
 

@@ -35,7 +35,7 @@ from uqfold.analysis import independence
 
 sys.path.append(str(Path(__file__).parents[1]))
 from paper import CHECKED as METHODS
-from paper import FFNI, evaluations_table, inputs_table, steps
+from paper import FFNI, evaluations_table, independence_figure, inputs_table, steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-3, 1e-6)
@@ -102,7 +102,7 @@ def page(run: Run) -> "uqfold.report.Page":
     page.figure(
         plots.reliability_panels(
             run.rows("no-sync", "check", missions=["2", "5", "8", "10"], tau=None),
-            curves="missions", check="simulation",
+            curves="missions",
         ),
         "Fig. 18(a): m missions, without synchronization",
         name="fig-18a",
@@ -110,13 +110,13 @@ def page(run: Run) -> "uqfold.report.Page":
     page.figure(
         plots.reliability_panels(
             run.rows("sync", "check", missions=["2", "5"], tau=[0.015, 0.02, 0.025, 0.03]),
-            curves="tau", panels="missions", check="simulation",
+            curves="tau", panels="missions",
         ),
         "Fig. 18(b): two and five missions, with synchronization",
         name="fig-18b",
     )  # fmt: skip
     page.figure(
-        plots.independence_panels(run.rows("independence")),
+        independence_figure(run),
         "Fig. 18(c): correlated against independent, n wings",
         name="fig-18c",
     )

@@ -86,26 +86,6 @@ def test_designs_at_both_places_and_where_there_is_none() -> None:
     assert labels == ["1 mission", "tau = 0.04, 5 missions"]
 
 
-def test_correlated_against_independent_units() -> None:
-    T = [1.0, 2.0]
-    table = pd.DataFrame(
-        {"units": [8, 8, 2, 2], "threshold": T * 2, "tau": math.nan, "missions": "1",
-         "pf": [0.5, 0.1, 0.2, 0.05], "pf_independent": [0.6, 0.15, 0.21, 0.06],
-         "difference": [0.1, 0.05, 0.01, 0.01], "sampled_responses": 32.0,
-         "sampled_difference": [math.nan, math.nan, 0.011, 0.009], "sampled_std_error": 0.001}
-    )  # fmt: skip
-    figure = plots.independence_panels(table)
-    body, gap, tail = figure.axes
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
-        "2 units", "8 units", "correlated", "independent", "sampled, ± 2 s.e.",
-    ]  # fmt: skip
-    assert [line.get_ydata().tolist() for line in tail.lines] == [
-        [0.2, 0.05], [0.21, 0.06], [0.5, 0.1], [0.6, 0.15],
-    ]  # fmt: skip
-    np.testing.assert_allclose(body.lines[0].get_ydata(), [0.8, 0.95])
-    assert gap.lines[0].get_ydata().tolist() == [0.01, 0.01]
-
-
 def test_importance_with_and_without_the_common_cause() -> None:
     table = pd.DataFrame(
         {"unit": ["a", "b"] * 2, "threshold": [1.0, 1.0, 2.0, 2.0], "missions": "3",

@@ -268,14 +268,6 @@ def test_errors_stand_over_the_evaluations_of_their_criterion(whole: pd.DataFram
     assert max(patch.get_y() + patch.get_height() for patch in axes.patches) == pytest.approx(0.02)
 
 
-def test_methods_of_equal_cost_stand_side_by_side() -> None:
-    methods = {"a": Told(bias=0.1), "b": Told(bias=0.2)}
-    axes = plots.error_against_evaluations(frame(criteria(12.0), methods))
-    (a, *_), (b, *_) = (drawn(axes, label, ["a", "b"]) for label in methods)
-    assert a[0] < 100 < b[0]
-    assert b[0] / a[0] < 1.3
-
-
 def test_errors_are_drawn_into_axes_of_the_callers(whole: pd.DataFrame) -> None:
     left, right = Figure().subplots(1, 2)
     assert plots.error_against_evaluations(whole, right) is right

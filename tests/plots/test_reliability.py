@@ -10,7 +10,6 @@ from matplotlib.collections import LineCollection
 
 import uqfold
 from uqfold import plots
-from uqfold.plots.curves import PROBLEM_COLORS
 from uqfold.plots.wording import value_text
 
 T = np.array([0.5, 0.55, 0.6])
@@ -38,7 +37,7 @@ PARTS = ("reliability", "pf", "difference")
 
 
 def draw(*frames: pd.DataFrame, parts: Any = PARTS, **options: Any) -> Any:
-    chosen = {"curves": "missions", "check": "simulation", **options}
+    chosen = {"curves": "missions", **options}
     return plots.reliability_panels(pd.concat(frames or (CURVES, MARKS)), parts, **chosen)
 
 
@@ -68,22 +67,23 @@ def test_difference_is_first_less_second_reliability() -> None:
 
 def test_marks_carry_their_intervals_in_the_colour_of_their_problem() -> None:
     figure = draw()
-    for axes, half in ((figure.axes[1], 0.002), (figure.axes[2], 1.96 * math.sqrt(2) * 1e-3)):
+    for axes, half in ((figure.axes[1], 0.002), (figure.axes[2], 2.0 * math.sqrt(2) * 1e-3)):
         bars = [np.ptp(c.get_segments()[0][:, 1]) for c in axes.collections if c.get_segments()]
         assert bars == pytest.approx([2 * half] * len(bars))
         assert len(bars) == (4 if axes is figure.axes[1] else 2)
     marks = [one for one in figure.axes[0].get_lines() if one.get_markerfacecolor() == "white"]
-    edges = [line.get_markeredgecolor() for line in marks]
-    assert edges == [PROBLEM_COLORS[0]] * 2 + [PROBLEM_COLORS[1]] * 2
+    drawn = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == len(T)]
+    assert [one.get_color() for one in marks] == [one.get_color() for one in drawn]
+    assert len({one.get_color() for one in marks}) == 4
 
 
 def test_legend_names_problems_curves_marks_and_arrows() -> None:
-    texts = ["one", "two", "2 missions", "5 missions", "simulation, 95 %"]
+    texts = ["one", "two", "2 missions", "5 missions", "with its interval"]
     assert legend(draw()) == texts
     assert legend(draw(CURVES, parts=("pf",))) == texts[:4]
     none = MARKS.assign(pf=0.0, ci_low=0.0)
     assert legend(draw(CURVES, none))[-1] == "no failure: upper end"
-    assert legend(draw(CURVES, none, parts=("reliability",)))[-1] == "simulation, 95 %"
+    assert legend(draw(CURVES, none, parts=("reliability",)))[-1] == "with its interval"
 
 
 @pytest.mark.parametrize("length", [1, 20, 32])
@@ -96,15 +96,16 @@ def test_legend_is_no_wider_than_the_figure(length: int) -> None:
     assert figure.get_figheight() == pytest.approx(draw().get_figheight() + more)
 
 
-def test_paired_runs_take_the_place_of_the_curves_difference() -> None:
-    paired = pd.DataFrame(
+def test_differences_that_are_given_take_the_place_of_the_curves() -> None:
+    """Those with a standard error are marks with two of them, the others a curve."""
+    given = pd.DataFrame(
         {"threshold": list(T) * 2, "missions": ["2"] * 3 + ["5"] * 3,
-         "difference": np.arange(6.0), "std_error": 0.5}
+         "difference": np.arange(6.0), "std_error": [0.5] * 3 + [math.nan] * 3}
     )  # fmt: skip
-    gap = draw(paired=paired).axes[2]
-    np.testing.assert_allclose(curves(gap), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
-    band = gap.collections[0].get_paths()[0].vertices[:, 1]
-    assert (band.min(), band.max()) == (-1.0, 3.0)
+    gap = draw(differences=given).axes[2]
+    np.testing.assert_allclose(curves(gap)[-1], [3.0, 4.0, 5.0])
+    (bars,) = [one.get_segments() for one in gap.collections]
+    np.testing.assert_allclose([bar[:, 1] for bar in bars], [[-1, 1], [0, 2], [1, 3]])
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
@@ -113,12 +114,10 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         draw(one)
     with pytest.raises(ValueError, match="no row to draw"):
         draw(CURVES[:0])
-    with pytest.raises(ValueError, match="no curve besides its rows"):
-        draw(MARKS)
-    with pytest.raises(ValueError, match="at most 2 problems"):
+    with pytest.raises(ValueError, match="a difference is that of two problems"):
         draw(CURVES, one.assign(problem="three"))
-    with pytest.raises(ValueError, match="frame has no column 'error'"):
-        draw(CURVES.drop(columns="error"))
+    with pytest.raises(ValueError, match="frame has no column 'missions'"):
+        draw(CURVES.drop(columns="missions"))
     with pytest.raises(ValueError, match="quantities"):
         draw(parts=("pdf",))
 
@@ -156,14 +155,6 @@ def test_estimates_that_nobody_calls_a_check_have_their_intervals(frame: pd.Data
     (bars,) = [one for one in axes.collections if isinstance(one, LineCollection)]
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     np.testing.assert_allclose(ends, own[["ci_low", "ci_high"]])
-
-
-def test_a_label_of_its_own_keeps_the_colour_of_its_method(frame: pd.DataFrame) -> None:
-    both = plain(frame, "ffni-spa", "mc")
-    renamed = both.assign(label=both["label"].replace("ffni-spa", "fine"))
-    drawn = [plots.reliability_panels(one).axes[0] for one in (both, renamed)]
-    colours = [axes.get_lines()[1].get_color() for axes in drawn]
-    assert colours[0] == colours[1]
 
 
 def test_one_panel_per_value_and_one_scale(frame: pd.DataFrame) -> None:

@@ -81,7 +81,9 @@ def test_seconds(value: float, shown: str) -> None:
     ],
 )
 def test_criteria(key: tuple[float, float | None, str], unit: str, shown: str) -> None:
-    assert criterion_text(key, unit) == shown
+    threshold, tau, missions = key
+    row = {"threshold": threshold, "tau": math.nan if tau is None else tau, "missions": missions}
+    assert criterion_text(row, unit) == shown
 
 
 def test_a_reference_judges_down_to_two_of_its_standard_errors() -> None:

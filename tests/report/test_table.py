@@ -3,6 +3,7 @@
 import io
 import math
 import re
+from dataclasses import asdict
 
 import pandas as pd
 import pytest
@@ -54,8 +55,11 @@ def test_groups_are_headed_by_criterion_and_reference(frame: pd.DataFrame) -> No
     text = printed(frame, 120)
     for one in GRID:
         key = (one.threshold, one.tau, str(one.missions))
+        asked = {**asdict(one), "tau": one.tau or math.nan, "missions": key[2]}
         (head,) = [
-            line for line in text.splitlines() if line.startswith(f"{criterion_text(key, 'mm')}  ")
+            line
+            for line in text.splitlines()
+            if line.startswith(f"{criterion_text(asked, 'mm')}  ")
         ]
         same = (frame["threshold"] == key[0]) & (frame["missions"] == key[2])
         row = frame[same].iloc[0]

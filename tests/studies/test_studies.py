@@ -101,7 +101,6 @@ def test_simulated_curves_stand_beside_several_missions_and_synchronization(
 ) -> None:
     _, asked = shown(STUDIES / study, monkeypatch)
     for name in names:
-        assert asked[name]["check"] == "mc"
         simulated = asked[name]["rows"].query("label == 'mc'")
         assert len(simulated) > 10
         assert simulated["pf"].notna().all()

@@ -1,6 +1,5 @@
 from uqfold.plots.comparison_figure import comparison as comparison
 from uqfold.plots.curves import reliability_panels as reliability_panels
-from uqfold.plots.dependence import independence_panels as independence_panels
 from uqfold.plots.error_figure import error_against_evaluations as error_against_evaluations
 from uqfold.plots.panels import one_legend as one_legend
 from uqfold.plots.points_figure import points as points

@@ -6,7 +6,7 @@ interval, so that a reader sees whether they agree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -16,7 +16,7 @@ from uqfold.methods.tabular import Tabular
 from uqfold.plots.panels import axes_or_new, draw_rows, key, legend_below
 from uqfold.plots.rows import checked, having
 from uqfold.plots.style import COLUMN_INCHES, REFERENCE_LINE, SOFT_COLOR, figure_settings
-from uqfold.plots.wording import response_of, value_text
+from uqfold.plots.wording import criterion_text, response_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -134,7 +134,7 @@ def importance(
     choice("measure", measure, MEASURES)
     kinds = {"causes shared": measure, "as if independent": f"{measure}_independent"}
     frame = checked("table", table, ("unit", "threshold", "missions", *kinds.values()))
-    asked = [case_text(row, "", ("threshold", "missions")) for row in frame.to_dict("records")]
+    asked = [criterion_text(row, "") for row in frame.to_dict("records")]
     frame = frame.assign(row=frame["unit"], series=asked)
     frame = pd.concat([frame.assign(kind=kind, value=frame[own]) for kind, own in kinds.items()])
     value = frame["value"].where(np.isfinite(frame["value"]))
@@ -171,7 +171,7 @@ def design(table: pd.DataFrame) -> Figure:
     frame = checked("table", table, DESIGN_NEEDS)
     unit = response_of(frame)[1]
     frame = frame.assign(
-        row=[case_text(row, unit) for row in frame.to_dict("records")], series=frame["label"]
+        row=[criterion_text(row, unit) for row in frame.to_dict("records")], series=frame["label"]
     )
     rows = list(frame["row"].unique())
     size = (2.0 * COLUMN_INCHES, 0.8 + 0.36 * len(rows))
@@ -217,11 +217,3 @@ def _labelled(table: Any, needs: Sequence[str]) -> pd.DataFrame:
     by = "label" if "label" in getattr(table, "columns", ()) else "method"
     frame = checked("table", table, (by, *needs))
     return frame.assign(series=frame[by])
-
-
-def case_text(
-    row: Mapping[Any, Any], unit: str, columns: tuple[str, ...] = ("threshold", "tau", "missions")
-) -> str:
-    """Return the criterion of a row in words, without a threshold that is designed (NaN)."""
-    asked = [name for name in columns if row[name] == row[name]]
-    return ", ".join(value_text(name, row[name], unit) for name in asked)

@@ -83,9 +83,9 @@ def comparison(frame: Comparable) -> Figure:
     if answers["threshold"].nunique() == 1:
         height, draw = 0.8 + 0.36 * len(styles), drawing.lines
     figure = Figure(figsize=(WIDTH_INCHES, height * blocks + 0.6), layout="constrained")
-    abreast = math.ceil(len(panels) / blocks)
-    for k, part in enumerate(figure.subfigures(blocks, 1, squeeze=False)[:, 0]):
-        draw(part, panels[k * abreast : (k + 1) * abreast], abreast)
+    parts = figure.subfigures(blocks, 1, squeeze=False)[:, 0]
+    for part, beside in zip(parts, np.array_split(panels, blocks), strict=True):
+        draw(part, list(beside))
     if handles := drawing.handles():
         figure.legend(handles=handles, loc="outside lower left", ncols=len(handles))
     title = f"methods against {by}" if by else "failure probability"
@@ -146,30 +146,28 @@ class _Drawing:
     spread: float
     threshold: str
 
-    def curves(self, part: SubFigure, panels: list[str], abreast: int) -> None:
+    def curves(self, part: SubFigure, panels: list[str]) -> None:
         """Draw panels side by side: pf over the threshold, below it the ratios of every method."""
         below = list(self.styles) if self.by else []
         grid = part.subplots(
-            1 + len(below), abreast, sharex=True, sharey="row", squeeze=False,
+            1 + len(below), len(panels), sharex=True, sharey="row", squeeze=False,
             height_ratios=[3.4, *([1.0] * len(below))],
         )  # fmt: skip
-        for axes in grid[:, len(panels) :].flat:
-            axes.set_axis_off()
         for axes in grid[:-1].flat:
             axes.tick_params(axis="x", bottom=False)
-        for column, panel in zip(grid.T, panels, strict=False):
+        for column, panel in zip(grid.T, panels, strict=True):
             own = self.answers[self.answers["panel"] == panel]
             column[0].set_title(in_figure(panel, 48), loc="left")
             self.curve(column[0], own)
             for axes, label in zip(column[1:], below, strict=True):
                 axes.set_gid(gid(method=label, criterion=panel))
                 self.ratios(axes, own[own["label"] == label])
-            column[-1].locator_params(axis="x", nbins=5 if abreast < ABREAST else 4)
+            column[-1].locator_params(axis="x", nbins=4)
             column[-1].set_xlabel(self.threshold)
         grid[0, 0].set_ylabel("failure probability pf")
         for row, label in zip(grid[1:], below, strict=True):
             row[0].set_ylabel(in_figure(label), rotation=0, ha="right", va="center")
-            row[len(panels) - 1].annotate(
+            row[-1].annotate(
                 self.remark(label), (1.015, 0.5), xycoords="axes fraction", va="center",
                 fontsize=7.5, color=SOFT_COLOR,
             )  # fmt: skip
@@ -177,12 +175,10 @@ class _Drawing:
             said = f"pf / pf of {self.by}"
             grid[1, 0].set_title(said, loc="left", fontsize=8.0, color=SOFT_COLOR)
 
-    def lines(self, part: SubFigure, panels: list[str], abreast: int) -> None:
+    def lines(self, part: SubFigure, panels: list[str]) -> None:
         """Draw one line per method in each panel: its ratio, or its pf without a yardstick."""
-        grid = part.subplots(1, abreast, sharex=True, sharey=True, squeeze=False)[0]
-        for axes in grid[len(panels) :]:
-            axes.set_axis_off()
-        for axes, panel in zip(grid, panels, strict=False):
+        grid = part.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0]
+        for axes, panel in zip(grid, panels, strict=True):
             own = self.answers[self.answers["panel"] == panel]
             first = own.iloc[0]
             axes.set_gid(gid(criterion=panel))

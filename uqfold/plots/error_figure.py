@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SIZE_INCHES = (7.0, 4.6)
-SIDE_STEP = 0.03
-"""Distance between methods of nearly equal cost, as a part of the axis."""
 SMALLEST = 1e-16
 """Errors below are drawn on the lower edge."""
 
@@ -27,7 +25,7 @@ def error_against_evaluations(frame: Comparable, ax: Axes | None = None) -> Axes
     """Draw the error of Eq. (49) over the number of evaluations, both logarithmic.
 
     A small marker is one criterion; the large marker is their median. Errors in the grey band are
-    below two standard errors of every reference. Methods of equal cost stand side by side.
+    below two standard errors of every reference.
 
     Parameters
     ----------
@@ -50,21 +48,18 @@ def error_against_evaluations(frame: Comparable, ax: Axes | None = None) -> Axes
     axes = axes_or_new(ax, *SIZE_INCHES)
     low = _scale(axes, errors)
     handles: list[Any] = []
-    for label, step in _side_steps(errors, axes.get_xlim()).items():
-        own = errors[errors["label"] == label]
+    for label, own in errors.groupby("label", sort=False):
         look: dict[str, Any] = {
             "color": styles[label].color, "marker": styles[label].marker, "linestyle": "",
         }  # fmt: skip
         for panel, part in own.groupby("panel", sort=False):
             # an error of exactly zero is drawn on the lower edge
             height = part["error"].clip(lower=low)
-            points = axes.plot(step * part["cost"], height, markersize=4.0, alpha=0.75, **look)
+            points = axes.plot(part["cost"], height, markersize=4.0, alpha=0.75, **look)
             tell(points, gid(method=label, criterion=panel), part["text"])
         cost, typical = own["cost"].median(), own["error"].median()
         # the single criteria stay visible on it
-        points = axes.plot(
-            step * cost, max(typical, low), markersize=12.0, alpha=0.4, zorder=1.9, **look
-        )
+        points = axes.plot(cost, max(typical, low), markersize=12.0, alpha=0.4, zorder=1.9, **look)
         said = f"median error {percent(typical)}\n{cost:,.0f} evaluations"
         tell(points, gid(method=label), [said])
         handles.append(mark(in_figure(label), **look))
@@ -94,14 +89,3 @@ def _scale(axes: Axes, errors: pd.DataFrame) -> float:
     axes.set(xscale="log", xlim=(left / wider, right * wider))
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     return float(low)
-
-
-def _side_steps(errors: pd.DataFrame, limits: tuple[float, float]) -> dict[str, float]:
-    """Return the factor on the cost by which each method is moved aside from its neighbours."""
-    step = (limits[1] / limits[0]) ** SIDE_STEP
-    costs = errors.groupby("label", sort=False)["cost"].median()
-    ordered = costs.sort_values(kind="stable")
-    # a method that costs clearly more than the one before begins another group
-    group = (ordered > step * ordered.shift()).cumsum()
-    place = group.groupby(group).cumcount() - (group.groupby(group).transform("size") - 1) / 2
-    return {label: float(step ** place[label]) for label in costs.index}

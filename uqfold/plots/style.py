@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, cycle
 from typing import Any
 
 from uqfold.checks import several, text
@@ -113,18 +113,8 @@ def method_styles(labels: Iterable[str]) -> dict[str, MethodStyle]:
     return {name: _FIXED.get(name) or next(further) for name in names}
 
 
-def shades(style: MethodStyle, number: int, *, own_markers: bool) -> list[MethodStyle]:
-    """Return several curves of one method their looks: its colour from dark to light.
-
-    Parameters
-    ----------
-    style
-        The method's own.
-    number
-        How many curves.
-    own_markers
-        Whether each has another marker; otherwise all have the method's.
-    """
+def shades(style: MethodStyle, number: int) -> list[MethodStyle]:
+    """Return the looks of several curves of one method: its colour from dark to light."""
     from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 
     if number == 1:
@@ -132,8 +122,5 @@ def shades(style: MethodStyle, number: int, *, own_markers: bool) -> list[Method
     color = to_rgb(style.color)
     dark, light = [0.45 * part for part in color], [0.5 + 0.5 * part for part in color]
     tones = LinearSegmentedColormap.from_list("tones", [dark, color, light])
-    markers = _CURVE_MARKERS if own_markers else style.marker
-    return [
-        MethodStyle(to_hex(tones(i / (number - 1))), markers[i % len(markers)])
-        for i in range(number)
-    ]
+    markers = cycle(_CURVE_MARKERS)
+    return [MethodStyle(to_hex(tones(i / (number - 1))), next(markers)) for i in range(number)]

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 Row: TypeAlias = Mapping[str, Any]
 """One row of a comparison: column -> value."""
 
-
 NO_VALUE = "-"
 NAMELESS = "response"
 """What a response is called that nobody gave a name."""
@@ -26,46 +25,29 @@ REFERENCE_STANDARD_ERRORS = 2.0
 LARGEST = 1e12
 """Numbers beyond have no place on an axis."""
 
-CriterionKey: TypeAlias = tuple[float, float | None, str]
-
-
-def criterion_key(row: Row) -> CriterionKey:
-    """Return what identifies the criterion of a row: threshold, tau or None, missions."""
-    return (row["threshold"], *panel_key(row))
-
-
-def panel_key(row: Row) -> tuple[float | None, str]:
-    """Return what identifies the curve over T to which a row belongs: tau or None, missions."""
-    tau = row["tau"]
-    return (None if math.isnan(tau) else tau), row["missions"]
-
-
-def quantity(value: float, unit: str) -> str:
-    """Write a number with its unit."""
-    return f"{value:g} {unit}".strip()
-
 
 def value_text(column: str, value: Any, unit: str) -> str:
     """Write one value of a column as figures and reports call it, for instance ``tau = 0.04 s``."""
     if column == "threshold":
         return threshold_text(value, unit)
     if column == "tau":
-        return "no tau" if value is None else f"tau = {quantity(value, unit)}"
+        return "no tau" if value is None else f"tau = {value:g} {unit}".rstrip()
     if column in ("missions", "units") and str(value).isdecimal():
         return f"{value} {column.removesuffix('s') if str(value) == '1' else column}"
     return f"missions ~ {value}" if column == "missions" else str(value)
 
 
-def panel_text(key: tuple[float | None, str], unit: str) -> str:
-    """Write tau and missions, for instance ``tau = 0.04 s, 5 missions``."""
-    tau, missions = key
-    asked = [] if tau is None else [value_text("tau", tau, unit)]
-    return ", ".join([*asked, value_text("missions", missions, unit)])
+def criterion_text(row: Row, unit: str) -> str:
+    """Write the criterion of a row without what is NaN, for instance ``T = 0.55 s, 1 mission``."""
+    asked = {name: row.get(name, math.nan) for name in ("threshold", "tau", "missions")}
+    return ", ".join(
+        value_text(name, one, unit) for name, one in asked.items() if str(one) != "nan"
+    )
 
 
-def criterion_text(key: CriterionKey, unit: str) -> str:
-    """Write a whole criterion, for instance ``T = 0.55 s, 1 mission``."""
-    return f"{threshold_text(key[0], unit)}, {panel_text(key[1:], unit)}"
+def panel_text(row: Row, unit: str) -> str:
+    """Write to which curve over T a row belongs, for instance ``tau = 0.04 s, 5 missions``."""
+    return criterion_text({**row, "threshold": math.nan}, unit)
 
 
 def scientific(value: float, digits: int) -> str:
@@ -173,8 +155,8 @@ def answers_of(frame: Comparable) -> pd.DataFrame:
     whole = answers_frame(frame, ("problem", "label", "threshold", "pf", "error", "status"))
     rows, unit = whole.to_dict("records"), response_of(whole)[1]
     answers = whole.assign(
-        panel=[panel_text(panel_key(row), unit) for row in rows],
-        criterion=[criterion_text(criterion_key(row), unit) for row in rows],
+        panel=[panel_text(row, unit) for row in rows],
+        criterion=[criterion_text(row, unit) for row in rows],
         text=[answer_text(row, unit) for row in rows],
     )
     # pandas copies how the comparison was made into every column and selection: a third of the time
@@ -187,7 +169,7 @@ def answers_of(frame: Comparable) -> pd.DataFrame:
 
 def answer_text(row: Row, unit: str) -> str:
     """Write an answer in lines: criterion, pf, interval, error, evaluations, status."""
-    said = [criterion_text(criterion_key(row), unit), f"pf = {probability(row['pf'], 4)}"]
+    said = [criterion_text(row, unit), f"pf = {probability(row['pf'], 4)}"]
     if not math.isnan(row["ci_low"] + row["ci_high"]):
         ends = " .. ".join(probability(row[end], 3) for end in ("ci_low", "ci_high"))
         said.append(f"interval {ends}")

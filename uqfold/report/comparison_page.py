@@ -17,7 +17,6 @@ from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import (
     drawable,
-    panel_key,
     panel_text,
     reference_resolution,
     response_text,
@@ -142,9 +141,7 @@ def _add_answers(page: Page, frame: pd.DataFrame) -> None:
     page.table(
         answers_table(frame),
         "Every answer, with the interval that the method states",
-        belongs=[
-            gid(method=row["label"], criterion=panel_text(panel_key(row), unit)) for row in rows
-        ],
+        belongs=[gid(method=row["label"], criterion=panel_text(row, unit)) for row in rows],
     )
     if any(row["error"] <= reference_resolution(row) for row in rows):
         page.text(literal(f"~: the error is {NOT_JUDGED}. {_LEFT_OUT}"), small=True)

@@ -17,7 +17,6 @@ from uqfold.comparison.frames import checked_frame
 from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     Row,
-    criterion_key,
     criterion_text,
     percent,
     probability,
@@ -90,7 +89,7 @@ class ComparisonTable:
         yield Text(f"{header['problem']}: {of}", "bold", overflow="fold")
         yield ""
         yield head
-        criteria = [criterion_text(criterion_key(row), unit) for row in rows]
+        criteria = [criterion_text(row, unit) for row in rows]
         for criterion in dict.fromkeys(criteria):
             members = [i for i, one in enumerate(criteria) if one == criterion]
             yield ""
