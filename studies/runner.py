@@ -55,12 +55,11 @@ SAMPLE = ("seed", "n_evals", "runs", "sampled_responses", "draws", "repeats", "v
 ERROR_OF = {
     "per_std": "per_std_error", "elasticity": "elasticity_error", "pf_mean": "pf_std",
     "sampled_difference": "sampled_std_error", "bias": "rms",
+    **dict.fromkeys(("derivative", "index", "difference", "value", "pf"), "std_error"),
 }  # fmt: skip
 """Estimates and the columns of their errors."""
-OWNERS = ("derivative", "index", "difference", "value", "pf")
-"""The first of these that a table has is the estimate that `std_error` belongs to."""
 SURE = ("reference_pf", "reference_std_error", "pf", "pf_independent", "difference")
-"""Columns that depend on no sample; of a table with `std_error` only those of references."""
+"""Columns that depend on no sample, where they have no error."""
 NOT_COMPARED = ("max_evals", "error", "efficiency", "seconds")
 """Columns that are asked for, magnify rounding, or are never the same."""
 STANDARD_ERRORS = 5.0
@@ -315,10 +314,7 @@ def compared(
     keys, sample = ([name for name in names if name in fresh] for names in (KEYS, SAMPLE))
     exact = [*keys, *(name for name in ("max_evals", "seed") if name in fresh)]
     numbers = fresh.select_dtypes("float").columns.difference([*exact, *sample, *NOT_COMPARED])
-    errors = {name: error for name, error in ERROR_OF.items() if name in fresh}
-    if "std_error" in fresh:
-        errors[next(name for name in OWNERS if name in fresh)] = "std_error"
-    sure = SURE[:2] if "std_error" in fresh else SURE
+    errors = {name: error for name, error in ERROR_OF.items() if {name, error} <= {*fresh}}
     known = {}
     for row in committed.to_dict("records"):
         known[_values(row, keys)] = known[_values(row, exact)] = row
@@ -336,7 +332,7 @@ def compared(
                 # an estimate without an error says nothing that could be wrong
                 allowed = STANDARD_ERRORS * math.hypot(row[errors[name]], partner[errors[name]])
                 differs = abs(one - other) > allowed
-            elif same or name in sure:
+            elif same or name in SURE:
                 differs = not np.isclose(one, other, *tolerance, equal_nan=True)
             else:
                 continue

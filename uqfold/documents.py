@@ -5,13 +5,15 @@ from __future__ import annotations
 import difflib
 import json
 import math
-from collections.abc import Iterable
-from typing import Any, NoReturn
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn, TypeVar
 
 from pydantic import ValidationError
 
 from uqfold.checks import shown
 
+T = TypeVar("T")
 LARGEST = 2**256
 """Of whole numbers; a seed may have more than 64 bits."""
 
@@ -31,6 +33,50 @@ def parsed_json(text: str) -> Any:
         )
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
+
+
+def read_record(
+    file: Path,
+    take: Callable[[Mapping[str, Any]], T],
+    schemas: Sequence[str],
+    refusal: type[ValueError],
+    command: str,
+    fields: Iterable[str] = (),
+) -> T:
+    """Read a record: JSON that names its schema.
+
+    Parameters
+    ----------
+    file
+        Where it is.
+    take
+        Makes of the document what is returned; what it refuses is told as `said` tells it.
+    schemas
+        Those that are read, the present one first.
+    refusal
+        What is raised for a file that is no such record.
+    command
+        What writes such records.
+    fields
+        As for `said`.
+    """
+    present, *_ = schemas
+    try:
+        document = parsed_json(file.read_text(encoding="utf-8"))
+        if not isinstance(document, dict):
+            raise TypeError("it holds no JSON object")
+        schema = document.get("schema")
+        if schema not in schemas:
+            remedy = ""
+            if str(schema).startswith(present.rpartition("/")[0] + "/"):
+                remedy = f", and it cannot be converted: run it again with `{command}`"
+            raise ValueError(f"its schema is {schema!r}, not {present!r}{remedy}")
+        return take(document)
+    except (ValueError, TypeError) as error:
+        what = said(error, fields) if isinstance(error, ValueError) else str(error)
+        raise refusal(
+            f"{file.name} is not a readable record: {what}. Such records are written by `{command}`"
+        ) from error
 
 
 def said(error: ValueError, fields: Iterable[str] = ()) -> str:

@@ -396,7 +396,7 @@ def test_another_number_in_a_record_is_damage(tmp_path: Path) -> None:
 def test_a_foreign_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "comparison.json"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(RecordsError, match="not a readable record of a comparison"):
+    with pytest.raises(RecordsError, match="not a readable record"):
         read_records(path)
 
 

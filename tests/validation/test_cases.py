@@ -12,7 +12,7 @@ from uqfold.validation.runner import Validation, verdict_with
 FOLDER = Path(__file__).resolve().parents[2] / "validation"
 CASES = {case.name: case for case in find_cases(FOLDER)}
 
-QUICK = {"example_2_tail", "mechanism_energy"}
+QUICK = {"example_2_tail"}
 """Cases whose faults take seconds; the others are slow."""
 
 

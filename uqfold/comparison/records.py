@@ -19,7 +19,7 @@ from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.form import RECORD, SCHEMA, encoded
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.header import ATTRIBUTE, checked_header
-from uqfold.documents import parsed_json, said
+from uqfold.documents import read_record
 from uqfold.writing import write_text
 
 if TYPE_CHECKING:
@@ -90,14 +90,7 @@ def read_records(path: str | os.PathLike[str]) -> pd.DataFrame:
     file = checked_path("path", path)
     if file.is_dir():
         file = file / JSON_NAME
-    try:
-        return _frame(parsed_json(file.read_text(encoding="utf-8")))
-    except (ValueError, TypeError) as error:
-        what = said(error) if isinstance(error, ValueError) else str(error)
-        raise RecordsError(
-            f"{file.name} is not a readable record of a comparison: {what}. Records are written by "
-            "`uqfold compare`; see docs/records.md"
-        ) from error
+    return read_record(file, _frame, (SCHEMA, EARLIER), RecordsError, "uqfold compare")
 
 
 def _json_text(frame: pd.DataFrame) -> str:
@@ -115,15 +108,8 @@ def _digest(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(stated, sort_keys=True).encode()).hexdigest()
 
 
-def _frame(document: Any) -> pd.DataFrame:
-    if not isinstance(document, dict):
-        raise TypeError("it holds no JSON object")
-    schema = document.get("schema")
-    if schema not in (SCHEMA, EARLIER):
-        remedy = ""
-        if str(schema).startswith("uqfold-comparison/"):
-            remedy = ", and it cannot be converted: run it again with `uqfold compare`"
-        raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}{remedy}")
+def _frame(document: Mapping[str, Any]) -> pd.DataFrame:
+    schema = document["schema"]
     later = {"schema": SCHEMA, "source": {}, "finished": []} if schema == EARLIER else {}
     record = RECORD.validate_python({**document, **later}, strict=True)
     if record["columns"] != list(COLUMNS):

@@ -152,7 +152,8 @@ def load_cases(folder: str | os.PathLike[str]) -> list[Case]:
             raise ValueError(f"its schema is not {SCHEMA!r}")
         return [_case(path, document | own) for own in document.pop("case", [{}])]
     except ValueError as error:
-        raise CaseError(f"{path.name}/{DECLARATION}: {refusal(error)}") from error
+        what = said(error, Declaration.__dataclass_fields__).replace("declared.", "", 1)
+        raise CaseError(f"{path.name}/{DECLARATION}: {what}") from error
 
 
 def find_cases(cases: str | os.PathLike[str], names: Iterable[str] = ()) -> list[Case]:
@@ -178,11 +179,6 @@ def find_cases(cases: str | os.PathLike[str], names: Iterable[str] = ()) -> list
             hint = f"do you mean {near[0]}?" if near else "`uqfold validate --list` shows them"
             raise CaseError(f"no validation case is named {name!r}: {hint}")
     return sorted((found[name] for name in chosen), key=lambda one: (one.declared.topic, one.name))
-
-
-def refusal(error: ValueError) -> str:
-    """Return what is wrong with a document, the first place that a schema refuses."""
-    return said(error, Declaration.__dataclass_fields__).replace("declared.", "", 1)
 
 
 def _case(folder: Path, document: dict[str, Any]) -> Case:

@@ -18,8 +18,8 @@ from pydantic import Field, TypeAdapter, computed_field
 
 from uqfold.checks import instance
 from uqfold.checks import path as checked_path
-from uqfold.documents import parsed_json
-from uqfold.validation.case import STRICT, Declaration, Fault, Tier, refusal
+from uqfold.documents import read_record
+from uqfold.validation.case import STRICT, Declaration, Fault, Tier
 from uqfold.validation.findings import AS_WRITTEN, Finding, Verdict
 from uqfold.validation.measurement import Measurement
 from uqfold.writing import write_text
@@ -144,26 +144,14 @@ def read_case_record(path: str | os.PathLike[str]) -> CaseRecord:
     OSError
         If it cannot be opened.
     """
-    file = checked_path("path", path)
-    try:
-        document = parsed_json(file.read_text(encoding="utf-8"))
-        if not isinstance(document, dict):
-            raise TypeError("it holds no JSON object")
-        schema = document.get("schema")
-        if schema != SCHEMA:
-            remedy = ""
-            if str(schema).startswith("uqfold-validation/"):
-                remedy = ", and it cannot be converted: run it again with `uqfold validate`"
-            raise ValueError(f"its schema is {schema!r}, not {SCHEMA!r}{remedy}")
-        record = _RECORD.validate_python(document)
-        if to_document(record) != document:
-            raise ValueError("it holds unknown fields, or verdicts that its findings do not give")
-    except (ValueError, TypeError) as error:
-        text = refusal(error) if isinstance(error, ValueError) else str(error)
-        raise RecordError(
-            f"{file.name} is not a readable record of a validation case: {text}. Records are "
-            "written by `uqfold validate`; see docs/validation.md"
-        ) from error
+    file, fields = checked_path("path", path), Declaration.__dataclass_fields__
+    return read_record(file, _taken, (SCHEMA,), RecordError, "uqfold validate", fields)
+
+
+def _taken(document: Mapping[str, Any]) -> CaseRecord:
+    record = _RECORD.validate_python(document)
+    if to_document(record) != document:
+        raise ValueError("it holds unknown fields, or verdicts that its findings do not give")
     return record
 
 
