@@ -285,8 +285,8 @@ class TestTraps:
             return 3 - x[:, 0] + 0.3 * x[:, 1] ** 2 + 0.1 * x[:, 0] ** 2 - 0.5 * x[:, 1]
 
         row = FORM.estimate(limit_state(g))[0]
-        assert row.status == "failed"
-        assert "no design point" in row.message
+        assert (row.pf, row.status) == (0.0, "doubtful")
+        assert "on the other side of the threshold: taken for one that always works" in row.message
 
     def test_jump_to_infinity_has_no_design_point(self) -> None:
         def g(x: FloatArray) -> FloatArray:
@@ -296,15 +296,19 @@ class TestTraps:
         assert result[0].status == "failed"
         assert result.n_failed == 0
 
-    @pytest.mark.parametrize(
-        ("response", "message"),
-        [(1.0, "does not change around the origin"), (np.inf, "the response is inf at")],
-    )
-    def test_no_gradient_at_all(self, response: float, message: str) -> None:
+    @pytest.mark.parametrize("response", [1.0, np.inf])
+    def test_a_response_that_is_always_the_same(self, response: float) -> None:
         problem = linear_problem(model=lambda x: np.full(len(x), response))
         for row in FORM.estimate(problem, criteria([0.5, 1.0, 2.0])):
-            assert row.status == "failed"
-            assert message in row.message
+            assert (row.pf, row.status) == (float(response > row.threshold), "doubtful")
+            # the origin, and three places on both sides of the axes
+            assert "no run out of 19, up to 10" in row.message
+
+    def test_a_response_without_slope_that_jumps_further_out_fails(self) -> None:
+        problem = linear_problem(model=lambda x: np.where(np.abs(x).max(axis=1) > 4.0, 3.0, 1.0))
+        row = FORM.estimate(problem, criteria(2.0))[0]
+        assert row.status == "failed"
+        assert "the response has no gradient around the origin" in row.message
 
     def test_optimiser_that_settles_anywhere_is_not_believed(self, monkeypatch) -> None:
         # plant a point that OpenTURNS would hand back without a word

@@ -434,6 +434,29 @@ def test_curvature_where_units_fail_together_is_the_stated_error(
     assert abs(row.pf - truth) < 2.0 * row.std_error
 
 
+def test_units_that_no_run_brings_to_their_limit_leave_their_system_an_answer() -> None:
+    """One sort of units without a design point made the row of the whole system ``failed``."""
+
+    def level(x: FloatArray) -> FloatArray:
+        return np.full(len(x), 0.5)
+
+    def bounded(x: FloatArray) -> FloatArray:
+        return np.tanh(pump(x))
+
+    for own, structure, threshold, truth in (
+        (level, Series(), 2.0, ndtr(-2.0)),
+        (level, Parallel(), 2.0, 0.0),
+        (level, Series(), -1.5, 1.0),
+        (level, Parallel(), -1.5, ndtr(1.5)),
+        (bounded, Series(), 2.0, ndtr(-2.0)),
+    ):
+        problem = Problem(pump, **INPUTS, units=[Unit(), Unit(own)], structure=structure)
+        row = OpenTURNSFORM().estimate(problem, Criterion(threshold))[0]
+        assert row.status == "doubtful"
+        assert row.pf == pytest.approx(truth, rel=1e-9)
+        assert "taken for one that always" in row.message
+
+
 def test_a_curved_limit_state_of_one_sort_is_doubted() -> None:
     """What a second look shows at one unit's point reaches the verdict of the system."""
     curved = Unit(lambda x: pump(x) - 0.2 * x[:, 1] ** 2, name="curved")

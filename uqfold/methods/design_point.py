@@ -26,6 +26,8 @@ NOTICEABLE = 0.05
 """Share of the probability behind a design point from which a second domain matters."""
 BENT = 0.2
 """Change of the smaller probability by second order, relative, from which curvature matters."""
+_LOOKED_AT = (0.25, 0.5, 1.0)
+"""Shares of the search radius at which a limit state is looked for that no search has found."""
 LOOSE_RESIDUAL = 0.25
 """A point further than this (per unit of beta) from being a design point is not an answer."""
 
@@ -43,7 +45,7 @@ class DesignPoint:
         inputs' own units (d,).
     beta_hl
         Hasofer-Lind index: distance of the linearised limit state from the origin, negative if
-        the origin fails.
+        the origin fails; infinite where no run came to it.
     alpha
         Unit vector (d,) towards failure.
     shared_fraction
@@ -88,7 +90,8 @@ class Start:
     Attributes
     ----------
     known
-        Linearisations at the origin or, where the response has no slope there, near it.
+        Linearisations at the origin or, where the response has no slope there, near it; a level one
+        where it has none there either.
     y_origin
         Response at the origin.
     stationary
@@ -101,30 +104,21 @@ class Start:
 
 
 def common_start(response: StandardSpaceResponse) -> Start:
-    """Linearise at the origin; where it is stationary, at the extremes one deviation away.
-
-    Raises
-    ------
-    NoGradientError
-        If the response is infinite at the origin, or does not change around it.
-    """
+    """Linearise at the origin; where it is stationary, at the extremes one deviation away."""
     d = response.inputs.dimension
     origin = np.zeros(d)
     y_origin = float(response.values(origin[None, :])[0])
-    try:
-        return Start((response.linearise(origin),), y_origin, stationary=False)
-    except NoGradientError:
-        if not math.isfinite(y_origin):
-            raise
-    around = np.vstack([np.eye(d), -np.eye(d)])
-    y = response.values(around)
     known = []
-    for i in dict.fromkeys((int(y.argmax()), int(y.argmin()))):
-        with suppress(NoGradientError):
-            known.append(response.linearise(around[i]))
-    if not known:
-        raise NoGradientError("the response does not change around the origin")
-    return Start(tuple(known), y_origin, stationary=True)
+    with suppress(NoGradientError):
+        return Start((response.linearise(origin),), y_origin, stationary=False)
+    if math.isfinite(y_origin):
+        around = np.vstack([np.eye(d), -np.eye(d)])
+        y = response.values(around)
+        for i in dict.fromkeys((int(y.argmax()), int(y.argmin()))):
+            with suppress(NoGradientError):
+                known.append(response.linearise(around[i]))
+    level = Linearisation.level(origin, y_origin)
+    return Start(tuple(known) or (level,), y_origin, stationary=True)
 
 
 @dataclass(frozen=True)
@@ -166,6 +160,9 @@ class Search:
         Why budget or time ended the search; empty where they did not.
     out_of_reach
         Whether the limit state seems to lie beyond the search radius.
+    one_sided
+        How many runs, up to the search radius, lie on one and the same side of T; 0: some lie on
+        the other, or nobody has looked.
     rival
         A point as near as the best one, but well beyond the limit state; None: none known.
     several
@@ -184,6 +181,7 @@ class Search:
     trace: list[tuple[Linearisation, str]]
     cut: str = ""
     out_of_reach: bool = False
+    one_sided: int = 0
     rival: FloatArray | None = None
     several: bool = False
     second_order: float = 1.0
@@ -200,6 +198,13 @@ class Search:
     def best(self) -> Linearisation:
         """The linearisation that comes closest to being at a design point."""
         return self._closest[0]
+
+    @property
+    def beta(self) -> float:
+        """Reliability index by the best linearisation; infinite where no run came to T."""
+        if self.one_sided:
+            return math.inf if self.start.y <= self.threshold else -math.inf
+        return self.best.beta(self.threshold)
 
     @property
     def error(self) -> float:
@@ -229,6 +234,17 @@ class Search:
         self.trace.append((there, ""))
         ahead = there.beta(self.threshold)
         self.out_of_reach = abs(ahead) > SEARCH_RADIUS and (ahead > 0.0) == (beta > 0.0)
+
+    def look_everywhere(self, response: StandardSpaceResponse) -> None:
+        """See along all axes, and where the search went, whether any run lies beyond T."""
+        axes = np.eye(self.start.u.size)
+        ways = np.vstack([axes, self.start.alpha, self.best.alpha])
+        rays = np.vstack([ways, -ways])
+        went = np.array([one.u for one, _ in self.trace])
+        far = [share * SEARCH_RADIUS * rays for share in _LOOKED_AT]
+        y = response.values(np.unique(np.vstack([went, *far]), axis=0))
+        fails = y > self.threshold
+        self.one_sided = y.size if fails.all() or not fails.any() else 0
 
     def look_around(self, response: StandardSpaceResponse, tolerance: float) -> None:
         """Test whether the best point is the nearest, the only one, and flat: 4 d runs at most.
@@ -280,7 +296,7 @@ class Search:
             threshold=self.threshold,
             u=best.u,
             x=x,
-            beta_hl=best.beta(self.threshold),
+            beta_hl=self.beta,
             alpha=best.alpha,
             # rounding must not carry the square of a unit vector beyond one
             shared_fraction=min(1.0, float(np.sum(best.alpha[:n_shared] ** 2))),
@@ -331,6 +347,14 @@ def _judged(search: Search, start: Start, tolerance: float) -> tuple[Status, str
         return "unchecked", ""
     if search.cut and error <= 1.0:
         return "budget_exhausted", f"linearised at {where}, {off}"
+    if search.one_sided:
+        side = "works" if search.beta > 0.0 else "fails"
+        return "doubtful", (
+            f"no run out of {search.one_sided}, up to {SEARCH_RADIUS:g} standard deviations, lies "
+            f"on the other side of the threshold: taken for one that always {side}"
+        )
+    if math.isinf(error):
+        return "failed", "no design point: the response has no gradient around the origin"
     if search.out_of_reach:
         reach = f"no design point within {SEARCH_RADIUS:g} standard deviations"
         return "doubtful", f"{reach}: linearised at {where}"

@@ -90,7 +90,7 @@ def _too_much(departure: float, target: float) -> bool:
 
 
 def _planes(searches: Sequence[Search], n_shared: int) -> Planes:
-    betas = np.array([one.best.beta(one.threshold) for one in searches])
+    betas = np.array([one.beta for one in searches])
     return Planes(betas, np.array([one.best.alpha[:n_shared] for one in searches]))
 
 

@@ -87,8 +87,10 @@ class OpenTURNSFORM(ReliabilityMethod):
     `target_cov` of the smaller probability this is the stated error and the status
     ``converged``; beyond, the status is ``doubtful``, and the message states FORM's number and that
     of second order. It is also ``doubtful`` for a point that nearly fits, for signs of several
-    design points (FORM sees one), and for one more than 10 standard deviations away; ``unchecked``
-    with `starts` = 1, where only Breitung's factor of more than 20 % is doubted; else ``failed``.
+    design points (FORM sees one), and for one more than 10 standard deviations away; so it is where
+    a unit is taken for one that always works, or fails, since no run has shown otherwise. It is
+    ``unchecked`` with `starts` = 1, where only Breitung's factor of more than 20 % is doubted; else
+    ``failed``.
 
     `max_evals` pays for the gradient at the origin first; what is left is split into equal shares
     for the remaining thresholds, and a share that is not used up goes to the later ones. The
@@ -163,11 +165,7 @@ class OpenTURNSFORM(ReliabilityMethod):
             )
             for kind, inputs in enumerate(kinds.inputs)
         ]
-        try:
-            starts = [common_start(response) for response in responses]
-        except NoGradientError as error:
-            failed = Estimate.without_answer("failed", f"no design point: {error}")
-            return Solution([failed] * len(task.criteria))
+        starts = [common_start(response) for response in responses]
         n_start = session.n_evals
         asked = [c.threshold for c in task.criteria if math.isfinite(c.threshold)]
         places = [
@@ -259,16 +257,19 @@ class OpenTURNSFORM(ReliabilityMethod):
         before = response.session.n_evals
         try:
             response.session.check_deadline()
-            search.look_far(response)
-            ahead = nearest.beta(threshold) * nearest.alpha
-            from_plane = math.hypot(*ahead) <= SEARCH_RADIUS
-            self._walk(response, search, ahead if from_plane else nearest.u)
-            if search.error <= self.tolerance:
-                search.look_around(response, self.tolerance)
-            if search.rival is not None:
-                search = self._second(response, search, search.rival)
-            if search.error <= self.tolerance and search.rival is None and self.starts > 1:
-                self._check(response, search)
+            if math.isfinite(search.error):
+                search.look_far(response)
+                ahead = nearest.beta(threshold) * nearest.alpha
+                from_plane = math.hypot(*ahead) <= SEARCH_RADIUS
+                self._walk(response, search, ahead if from_plane else nearest.u)
+                if search.error <= self.tolerance:
+                    search.look_around(response, self.tolerance)
+                if search.rival is not None:
+                    search = self._second(response, search, search.rival)
+                if search.error <= self.tolerance and search.rival is None and self.starts > 1:
+                    self._check(response, search)
+            if search.error > LOOSE_RESIDUAL and not search.out_of_reach:
+                search.look_everywhere(response)
         except BudgetExceededError as error:
             search.cut = str(error)
         search.n_evals = response.session.n_evals - before

@@ -19,6 +19,9 @@ from uqfold.typing import FloatArray
 SEARCH_RADIUS = 10.0
 """The response is searched within this distance of the origin; 1 - Phi(10) = 8e-24."""
 
+_LEVEL = 1e-300
+"""Slope of a response that has none."""
+
 
 class NoGradientError(RuntimeError):
     """The response has no usable gradient at a point."""
@@ -42,6 +45,11 @@ class Linearisation:
     y: float
     gradient: FloatArray
 
+    @classmethod
+    def level(cls, u: FloatArray, y: float) -> Linearisation:
+        """A response y that does not change around u: no plane is met, whatever the direction."""
+        return cls(u, y, np.where(np.arange(u.size) == 0, _LEVEL, 0.0))
+
     @property
     def slope(self) -> float:
         """Length of the gradient."""
@@ -54,6 +62,8 @@ class Linearisation:
 
     def beta(self, threshold: float) -> float:
         """Signed distance from the origin to the plane y = T, negative if the origin fails."""
+        if self.slope == _LEVEL:
+            return math.copysign(math.inf, threshold - self.y)
         return (threshold - self.y) / self.slope + float(self.alpha @ self.u)
 
     def residual(self, threshold: float) -> float:
