@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from runner import Run
+from runner import Run, percent
 
 import uqfold
 from uqfold import criteria, plots
@@ -219,7 +219,9 @@ def errors_table(run: Run, *names: str) -> pd.DataFrame:
         decade="1e" + (decade - 1).astype(str) + " to 1e" + decade.astype(str),
     ).groupby(["problem", "label", "tau", "falling", "decade"])  # fmt: skip
     found = cases["signed"].agg(["size", "median", "min", "max"])
-    found[["median", "min", "max"]] = found[["median", "min", "max"]].map(signed_percent)
+    found[["median", "min", "max"]] = found[["median", "min", "max"]].map(
+        lambda error: percent(error, "+")
+    )
     found["below the reference's own error"] = cases["unjudged"].sum()
     found = found.reset_index().drop(columns="falling")
     if found["problem"].nunique() == 1:
@@ -228,10 +230,3 @@ def errors_table(run: Run, *names: str) -> pd.DataFrame:
         "label": "method", "decade": "reference pf", "size": "criteria", "median": "median error",
         "min": "from", "max": "to",
     })  # fmt: skip
-
-
-def signed_percent(error: float) -> str:
-    """Write a relative error with two digits, for instance ``-0.062 %``."""
-    if abs(error) < 1e-4:
-        return f"{'-' if error < 0.0 else '+'}<0.01 %"
-    return f"{100.0 * error:+.0f} %" if abs(error) >= 0.995 else f"{100.0 * error:+.2g} %"

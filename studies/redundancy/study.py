@@ -112,16 +112,8 @@ def page(run: Run) -> "uqfold.report.Page":
         "Importance of the five units",
         name="importance",
     )
-    columns = [
-        "unit",
-        "pf_unit",
-        "birnbaum",
-        "fussell_vesely",
-        "risk_achievement_worth",
-        "risk_reduction_worth",
-        "shared_share",
-    ]
-    page.table(run.tables["bridge"][columns], "Importance with the common cause")
+    weighed = run.tables["bridge"].loc[:, "unit":"risk_reduction_worth"].drop(columns="pf")
+    page.table(weighed, "Importance with the common cause")
     columns = ["unit", "other", "pf_both", "pf_both_independent", "correlation"]
     page.table(run.tables["pairs"][columns], "Units that fail together")
     return finish(page, run, {**METHODS, "kriging, of the wings": WING})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
 from uqfold.report.table import joined, text_columns
 from uqfold.report.validation_page import validation_page
-from uqfold.report.verdicts import changed_words, counted, kept_text, print_verdicts
+from uqfold.report.verdicts import counted, print_verdicts
 from uqfold.validation.case import Case, Tier
 from uqfold.validation.kept import changes, discrepancies, kept_records
 from uqfold.validation.record import (
@@ -39,20 +39,32 @@ def measure_cases(
     check_writable(validation.folder)
     records: list[CaseRecord] = []
     found: dict[str, tuple[str, ...]] = {}
+    wake = invocation.interrupts.check
+    bar = ComparisonProgressBar([case.name for case in cases], Console(stderr=True), unit="parts")
+
+    def progress(name: str, done: int, total: int | None) -> None:
+        wake()
+        bar(name, done, total)
+
+    measuring = replace(validation, progress=progress)
     interrupted = False
     try:
-        for case, record in _measured(cases, validation, invocation.interrupts.check):
-            records.append(record)
-            found[case.name] = changes(existing_record(case.kept(record.tier)), record)
-            if update:
-                write_case_record(record, case.kept(record.tier))
+        with bar:
+            for case in cases:
+                record = measuring.run(case)
+                # what was interrupted may look finished where a library swallowed it
+                wake()
+                records.append(record)
+                found[case.name] = changes(existing_record(case.kept(record.tier)), record)
+                if update:
+                    write_case_record(record, case.kept(record.tier))
     except KeyboardInterrupt:
         resume = shlex.join(["uqfold", *invocation.words])
         done = f"{len(records)} of {len(cases)} cases are finished and kept"
         say(f"interrupted: {done}; to go on: {resume}")
         interrupted = True
     if records:
-        page = validation_page(read_case_records(validation.folder), found)
+        page = validation_page(read_case_records(validation.folder))
         reports = page.write(validation.folder / "report.html")
         if update:
             reports += write_kept_report(cases[0].folder.parent)[:1]
@@ -65,38 +77,25 @@ def measure_cases(
     return EXIT_CHANGED if not update and any(found.values()) else 0
 
 
-def _measured(
-    cases: Sequence[Case], validation: Validation, wake: Callable[[], None]
-) -> Iterator[tuple[Case, CaseRecord]]:
-    """Measure case by case."""
-    names = [case.name for case in cases]
-    with ComparisonProgressBar(names, Console(stderr=True), unit="parts") as bar:
-
-        def progress(name: str, done: int, total: int | None) -> None:
-            wake()
-            bar(name, done, total)
-
-        measuring = replace(validation, progress=progress)
-        for case in cases:
-            record = measuring.run(case)
-            # what was interrupted may look finished where a library swallowed it
-            wake()
-            yield case, record
-
-
 def _print_outcome(
     records: Sequence[CaseRecord], found: Mapping[str, Sequence[str]], written: Sequence[Path]
 ) -> None:
+    """Print verdicts, which of them are not the kept ones, and what has been written."""
     out = stdout_console(quiet=False)
     print_verdicts(out, records)
+    told = {
+        one.name: [
+            *(f"broken: {text}" for text in one.broken),
+            *(f"changed: {text}" for text in found[one.name]),
+        ]
+        for one in records
+    }
+    same = sum(not lines for lines in told.values())
+    kept = f"{same} of {len(records)} cases have the kept verdicts"
     folder, *reports = map(shown_path, written)
     lines = [
-        f"\nkept records: {kept_text(records, found)}",
-        *(
-            f"  {one.name}: {text}"
-            for one in records
-            for text in changed_words(one, found[one.name])
-        ),
+        f"\nkept records: {'every verdict is the kept one' if same == len(records) else kept}",
+        *(f"  {name}: {text}" for name, texts in told.items() for text in texts),
         f"\nrecords: {folder}",
         *(f"report: {path}" for path in reports),
     ]

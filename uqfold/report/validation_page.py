@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import uqfold
 from uqfold.plots.wording import seconds_text
@@ -11,15 +11,7 @@ from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import Tone, typeset
 from uqfold.report.page.markup import literal
 from uqfold.report.validation_case import case_anchor, case_section
-from uqfold.report.verdicts import (
-    cases_table,
-    changed_words,
-    counted,
-    faults_text,
-    kept_text,
-    limits_text,
-    reasons,
-)
+from uqfold.report.verdicts import cases_table, counted, faults_text, limits_text, reasons
 from uqfold.validation.findings import Verdict
 from uqfold.validation.kept import fingerprint
 from uqfold.validation.record import CaseRecord
@@ -36,17 +28,13 @@ _READING = {
 }
 
 
-def validation_page(
-    records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]] | None = None
-) -> Page:
+def validation_page(records: Sequence[CaseRecord]) -> Page:
     """Return the report on validation cases.
 
     Parameters
     ----------
     records
         One for each case; nothing that they name is imported or run.
-    changes
-        Name of a case -> the verdicts that are not the kept ones; None: that was not looked at.
 
     Raises
     ------
@@ -71,8 +59,6 @@ def validation_page(
     )
     _holds_card(page, records, verdicts)
     _failing_card(page, records)
-    if changes is not None:
-        _kept_card(page, records, changes)
     page.section("All cases", name="cases")
     page.table(cases_table(records), "All cases")
     for topic in dict.fromkeys(record.case.topic for record in records):
@@ -108,24 +94,8 @@ def _failing_card(page: Page, records: Sequence[CaseRecord]) -> None:
     page.card("What does not hold, and why?", answer, *why, tone=tone)
 
 
-def _kept_card(
-    page: Page, records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]]
-) -> None:
-    compared = [one for one in records if one.name in changes]
-    said = [
-        _linked(one, text) for one in compared for text in changed_words(one, changes[one.name])
-    ]
-    answer = kept_text(compared, changes)
-    answer = answer[0].upper() + answer[1:]
-    page.card("Is that what was found before?", answer, *said, tone="bad" if said else "good")
-
-
 def _first_reason(record: CaseRecord) -> str:
     first, *others = reasons(record) or ["nothing in it has a limit"]
     # the card says already that it does not hold
-    text = first.replace(" - does not hold", "")
-    return _linked(record, text + (f"; and {len(others)} more" if others else ""))
-
-
-def _linked(record: CaseRecord, why: str) -> str:
-    return f"[{literal(record.case.title)}](#{case_anchor(record)}): {literal(typeset(why))}"
+    text = first.replace(" - does not hold", "") + (f"; and {len(others)} more" if others else "")
+    return f"[{literal(record.case.title)}](#{case_anchor(record)}): {literal(typeset(text))}"

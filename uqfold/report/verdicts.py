@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import pandas as pd
 from rich.console import Console
@@ -68,24 +68,6 @@ def faults_text(records: Sequence[CaseRecord]) -> str:
     """Return how many of the faults that were planted were noticed."""
     planted = [one.caught for record in records for one in record.faults if one.caught is not None]
     return f"{sum(planted)} of {len(planted)}"
-
-
-def kept_text(records: Sequence[CaseRecord], changes: Mapping[str, Sequence[str]]) -> str:
-    """Return whether the verdicts are the kept ones, in words."""
-    broken = sum(bool(one.broken) for one in records)
-    changed = sum(bool(changes[one.name]) and not one.broken for one in records)
-    same = len(records) - broken - changed
-    if same == len(records):
-        return "every verdict is the kept one"
-    words = [f"{same} of {len(records)} cases have the kept verdicts"]
-    words += [f"{changed} changed"] if changed else []
-    words += [f"{broken} broke"] if broken else []
-    return ", ".join(words)
-
-
-def changed_words(record: CaseRecord, turned: Sequence[str]) -> list[str]:
-    """Return what differs from the kept record of a case, what weighs most first."""
-    return [f"broken: {text}" for text in record.broken] + [f"changed: {text}" for text in turned]
 
 
 def counted(number: int, thing: str) -> str:
