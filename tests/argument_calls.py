@@ -765,6 +765,17 @@ def calls(folder: Path) -> dict[str, Call]:
             methods.ImportanceSampling,
             {"samples": optional(count(100)), "target_cov": optional(number())},
         ),
+        "methods.LineSampling": Call(
+            methods.LineSampling, {"lines": optional(count(2)), "target_cov": optional(number())}
+        ),
+        "methods.DirectionalSampling": Call(
+            methods.DirectionalSampling,
+            {
+                "rays": optional(count(8)),
+                "sets": optional(count(2)),
+                "target_cov": optional(number()),
+            },
+        ),
         "methods.SubsetSimulation": Call(
             methods.SubsetSimulation,
             {

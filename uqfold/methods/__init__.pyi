@@ -10,6 +10,7 @@ from uqfold.methods.base import (
     Task as Task,
 )
 from uqfold.methods.conditional_monte_carlo import ConditionalMonteCarlo as ConditionalMonteCarlo
+from uqfold.methods.directional_sampling import DirectionalSampling as DirectionalSampling
 from uqfold.methods.factorial_inner import (
     DimensionReduction as DimensionReduction,
     FullFactorial as FullFactorial,
@@ -21,6 +22,7 @@ from uqfold.methods.ffni_pearson import FFNIPearson as FFNIPearson
 from uqfold.methods.ffni_saddlepoint import FFNISaddlepoint as FFNISaddlepoint
 from uqfold.methods.importance_sampling import ImportanceSampling as ImportanceSampling
 from uqfold.methods.kriging import Kriging as Kriging
+from uqfold.methods.line_sampling import LineSampling as LineSampling
 from uqfold.methods.monte_carlo import MonteCarlo as MonteCarlo
 from uqfold.methods.multifidelity_monte_carlo import (
     MultifidelityMonteCarlo as MultifidelityMonteCarlo,

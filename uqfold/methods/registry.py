@@ -25,6 +25,8 @@ _BUILT_IN: dict[str, str] = {
     "multifidelity-mc": "uqfold.methods.multifidelity_monte_carlo:MultifidelityMonteCarlo",
     "subset-simulation": "uqfold.methods.subset_simulation:SubsetSimulation",
     "importance-sampling": "uqfold.methods.importance_sampling:ImportanceSampling",
+    "line-sampling": "uqfold.methods.line_sampling:LineSampling",
+    "directional-sampling": "uqfold.methods.directional_sampling:DirectionalSampling",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
     "auto": "uqfold.methods.automatic:Automatic",

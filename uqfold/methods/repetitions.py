@@ -28,9 +28,12 @@ class Repetitions:
     ----------
     values
         The estimates (R,), R at least 2.
+    least
+        Relative error that they have in common, which their spread does not show.
     """
 
     values: FloatArray
+    least: float = 0.0
 
     @property
     def mean(self) -> float:
@@ -48,7 +51,7 @@ class Repetitions:
         if np.all(self.values > 0.0):
             spread = float(np.var(np.log(self.values), ddof=1))
             cov = max(cov, math.sqrt(spread / n + spread**2 / (2.0 * (n - 1))))
-        return cov
+        return math.hypot(cov, self.least)
 
     @property
     def most_cov(self) -> float:

@@ -40,14 +40,16 @@ _FIXED = {
     "multifidelity-mc": MethodStyle("#117733", "p"),
     "subset-simulation": MethodStyle("#5D3A9B", ">"),
     "importance-sampling": MethodStyle("#2F6B8A", "8"),
+    "line-sampling": MethodStyle("#A0522D", "h"),
+    "directional-sampling": MethodStyle("#1F8A70", "d"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
 """Their colours and markers."""
 FURTHER_STYLES = (
-    MethodStyle("#8C510A", "h"),
+    MethodStyle("#8C510A", "H"),
     MethodStyle("#3F9C8D", "d"),
-    MethodStyle("#AA4499", "H"),
+    MethodStyle("#AA4499", "h"),
     MethodStyle("#666666", "s"),
     MethodStyle("#5A6A00", "^"),
 )

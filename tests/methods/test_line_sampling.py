@@ -1,0 +1,212 @@
+"""Line sampling and directional sampling: crossings, regions, answers without bias, doubts."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import chdtrc, ndtr, ndtri
+
+from uqfold.inputs import normal
+from uqfold.methods import (
+    DirectionalSampling,
+    LineSampling,
+    ReliabilityMethod,
+    SequentialMethod,
+)
+from uqfold.methods.crossings import LineLaw
+from uqfold.methods.directional_sampling import chi_law
+from uqfold.methods.line_directions import normal_law
+from uqfold.problems import Problem
+from uqfold.problems.catalogue import entry
+from uqfold.problems.catalogue import problem as limit_state
+from uqfold.problems.criterion import Binomial, Criterion, criteria
+from uqfold.testing import LinearNormalSystem
+from uqfold.typing import FloatArray, Model
+
+LINES, RAYS = LineSampling(), DirectionalSampling()
+BOTH = pytest.mark.parametrize("method", [LINES, RAYS], ids=lambda one: one.name)
+
+
+def standard_normal(model: Model, dimension: int = 2) -> Problem:
+    return Problem(model, individual={f"u{i}": normal(0.0, 1.0) for i in range(dimension)})
+
+
+def linear(x: FloatArray) -> FloatArray:
+    return np.asarray(x.sum(axis=1) / math.sqrt(x.shape[1]))
+
+
+@pytest.mark.parametrize(
+    ("law", "tail"),
+    [(normal_law(), lambda r: ndtr(-r)), (chi_law(3), lambda r: chdtrc(3, r * r))],
+    ids=["normal", "chi"],
+)
+def test_laws_keep_their_digits_in_both_tails(law: LineLaw, tail: Callable[[float], float]) -> None:
+    """Far out as well as near zero; the density is the derivative."""
+    at, far = np.array([0.3, 2.0, 9.0]), np.array([0.5, 7.0, np.inf])
+    exact = [tail(a) - tail(b) for a, b in zip(at, far, strict=True)]
+    assert law.between(at, far) == pytest.approx(exact, rel=1e-9)
+    step = 1e-5
+    assert law.between(at - step, at + step) / (2.0 * step) == pytest.approx(
+        law.density(at), rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(("pf", "dimension"), [(0.9, 2), (0.01, 1), (1e-4, 3), (1e-9, 60)])
+def test_a_plane_is_as_good_as_exact(pf: float, dimension: int) -> None:
+    limit = Criterion(-float(ndtri(pf)))
+    row = LINES.estimate(standard_normal(linear, dimension), limit, max_evals=700, rng=1)[0]
+    assert row.n_evals <= 700
+    assert row.status == "converged"
+    assert abs(row.pf - pf) < 4.0 * row.std_error < 0.1 * pf
+    assert row.pf + row.reliability == pytest.approx(1.0)
+
+
+def test_two_hundred_inputs_at_1e_9_with_less_than_500_runs() -> None:
+    exact = entry("linear-200").pf
+    row = LINES.estimate(limit_state("linear-200"), max_evals=500, rng=2)[0]
+    assert (row.status, row.n_evals <= 500) == ("converged", True)
+    assert row.pf == pytest.approx(exact, rel=0.003)
+
+
+@pytest.mark.parametrize("name", ["outside-a-circle", "rp28"])
+def test_rays_see_failure_all_around(name: str) -> None:
+    exact = entry(name).pf
+    row = RAYS.estimate(limit_state(name), max_evals=1_200, rng=1)[0]
+    assert row.status == "converged"
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.2 * exact
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("height", "exact"),
+    [
+        # two regions on one line, on two lines, and a band that a line enters and leaves
+        (lambda x: np.abs(x[:, 0]), 2.0 * ndtr(-3.5)),
+        (
+            lambda x: np.maximum(x[:, 0] - 0.5, -x[:, 1]),
+            -math.expm1(math.log1p(-ndtr(-4.0)) + math.log1p(-ndtr(-3.5))),
+        ),
+        (lambda x: 4.0 - np.abs(x[:, 0] - 3.5), ndtr(-3.0) - ndtr(-4.0)),
+        # a response that rises towards its limit and jumps there
+        (lambda x: np.where(x[:, 0] > 3.5, 10.0, x[:, 0] / (9.0 + np.abs(x[:, 0]))), ndtr(-3.5)),
+    ],
+    ids=["opposite", "beside", "band", "jump"],
+)
+def test_all_crossings_are_found(method: ReliabilityMethod, height: Model, exact: float) -> None:
+    row = method.estimate(standard_normal(height), Criterion(3.5), max_evals=2_500, rng=4)[0]
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.5 * exact
+
+
+def test_four_units_have_a_direction_each() -> None:
+    """Each of them fails along inputs of its own, at 1e-5: one direction would see a quarter."""
+    system, criterion = LinearNormalSystem(units=4), Criterion(14.6)
+    exact = system.pf(criterion)
+    result = LINES.estimate(system.problem(), criterion, max_evals=4_000, rng=1)
+    assert len(result.details.sets[0].directions) >= 4
+    assert result[0].status == "converged"
+    assert abs(result[0].pf - exact) < 4.0 * result[0].std_error < 0.4 * exact
+
+
+def test_directions_that_nothing_leads_to_are_a_doubt() -> None:
+    """32 units times missions have more directions than are followed: failures are counted."""
+    system, criterion = LinearNormalSystem(units=4), Criterion(14.5, missions=8)
+    row = LINES.estimate(system.problem(), criterion, max_evals=40_000, rng=1)[0]
+    assert row.status == "doubtful"
+    assert "points far out fail where none of" in row.message
+    assert row.ci_low <= system.pf(criterion) <= row.ci_high
+
+
+def test_what_lies_between_crossings_leaves_no_bias() -> None:
+    """A narrow strip that no line is run in is met by the random run of some lines."""
+
+    def strip(x: FloatArray) -> FloatArray:
+        return np.where(np.abs(x[:, 0] - 1.2) < 0.02, 5.0, x[:, 0])
+
+    exact = ndtr(-3.0) + ndtr(-1.18) - ndtr(-1.22)
+    row = LINES.estimate(standard_normal(strip), Criterion(3.0), max_evals=12_000, rng=3)[0]
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 4.0 * exact
+    assert row.pf > 2.0 * ndtr(-3.0)
+    assert row.status == "doubtful"
+
+
+@BOTH
+def test_a_step_is_doubtful_with_a_bound(method: ReliabilityMethod) -> None:
+    def step(x: FloatArray) -> FloatArray:
+        return np.where(x.max(axis=1) > 6.0, 1.0, 0.0)
+
+    row = method.estimate(standard_normal(step, 30), Criterion(0.5), max_evals=1_000, rng=4)[0]
+    assert row.status == "doubtful"
+    assert row.pf < 0.01
+
+
+@BOTH
+def test_failed_runs_are_bounded(method: ReliabilityMethod) -> None:
+    def lost(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 1] > 2.5, np.nan, x[:, 0])
+
+    row = method.estimate(standard_normal(lost), Criterion(2.5), max_evals=6_000, rng=6)[0]
+    assert row.status == "doubtful"
+    assert row.pf_low == pytest.approx(ndtr(-2.5) * ndtr(2.5), rel=0.15)
+    assert row.pf == pytest.approx(1.0 - ndtr(2.5) ** 2, rel=0.15)
+
+
+@BOTH
+def test_missions_and_tau(method: ReliabilityMethod) -> None:
+    system = LinearNormalSystem(units=2, shared_std=0.5)
+    asked = [Criterion(13.5, missions=Binomial(2, 0.4)), Criterion(15.0, tau=5.0)]
+    result = method.estimate(system.problem(), asked, max_evals=16_000, rng=5)
+    assert result.n_evals <= 16_000
+    for criterion, row in zip(asked, result, strict=True):
+        assert abs(row.pf - system.pf(criterion)) < 4.0 * row.std_error < 3.0 * row.pf
+
+
+@BOTH
+def test_asked_and_told_gives_the_same_answer(method: SequentialMethod) -> None:
+    problem, asked = standard_normal(linear), Criterion(3.0)
+    session = method.start(problem, asked, max_evals=900, rng=9)
+    while not session.done:
+        x = session.ask()
+        session.tell(x, linear(x))
+    told, own = session.result(), method.estimate(problem, asked, max_evals=900, rng=9)
+    assert (told[0].pf, told[0].ci_high) == (own[0].pf, own[0].ci_high)
+
+
+def test_lines_sets_and_target_say_when_to_stop() -> None:
+    problem, asked = standard_normal(linear), Criterion(3.0)
+    few = replace(LINES, lines=12).estimate(problem, asked, rng=8)
+    assert few.details.sets[0].pf.size == 12
+    rays = replace(RAYS, rays=30, sets=11).estimate(problem, asked, rng=8).details.sets[0]
+    assert (rays.rays, rays.pf.size) == (32, 11)
+    assert rays.nearest == pytest.approx(3.0, abs=0.1)
+    for method in (LINES, RAYS):
+        early = replace(method, target_cov=0.1).estimate(problem, asked, max_evals=10**6, rng=8)
+        assert (early[0].status, early.n_evals < 60_000) == ("converged", True)
+    short = replace(LINES, lines=10**6).estimate(problem, asked, max_evals=900, rng=8)[0]
+    assert short.status == "budget_exhausted"
+    assert "of 1000000 repetitions" in short.message
+
+
+@BOTH
+@pytest.mark.parametrize("budget", [1, 30, 90, 200])
+def test_a_budget_too_small_is_kept_and_doubtful(method: ReliabilityMethod, budget: int) -> None:
+    problem = standard_normal(linear, 5)
+    rows = method.estimate(problem, criteria([4.0]), max_evals=budget, rng=1)
+    assert rows.n_evals <= budget
+    assert rows[0].status == "doubtful"
+    assert rows[0].ci_low <= ndtr(-4.0) <= rows[0].ci_high
+
+
+@pytest.mark.slow
+@BOTH
+def test_intervals_hold_in_1000_seeds(method: ReliabilityMethod) -> None:
+    """95 % within what a one-sided binomial test at 0.1 % lets pass, on a curved limit state."""
+    from scipy.stats import binom
+
+    problem, pf = limit_state("rp22"), entry("rp22").pf
+    rows = [method.estimate(problem, max_evals=1_500, rng=seed)[0] for seed in range(1_000)]
+    usable = [row for row in rows if row.std_error < 0.2 * row.pf]
+    covered = sum(row.ci_low <= pf <= row.ci_high for row in usable)
+    assert len(usable) > 500
+    assert binom.cdf(covered, len(usable), 0.95) > 1e-3

@@ -1,0 +1,251 @@
+"""Directional sampling: the probability along rays from the origin, in directions of all kinds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from uqfold.checks import keep, or_none, real, whole
+from uqfold.methods.crossings import LineLaw, Lines, RunPlaces
+from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
+from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
+from uqfold.methods.result import Estimate
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_lines import DIRECTIONAL_SAMPLING
+from uqfold.problems.criterion import Criterion
+from uqfold.typing import FloatArray
+
+WITHOUT_A_BUDGET = 20
+"""Sets of rays where neither a number nor a budget is given."""
+SETS = 14
+"""Sets that a budget is divided into."""
+FEWEST_RAYS, WITH_A_TARGET, MOST_RAYS = 8, 64, 1_024
+"""Rays of a set, powers of two: least, those of sets that are made one by one, and most."""
+FARTHEST = 1e-12
+"""Rays end where so little probability is left, until more is known of pf."""
+BEYOND = 1e-3
+"""Then they end where this part of pf is left."""
+PLACES, CLOSELY = 3, 7
+"""Runs on each ray to begin with; where rays meet failure more than once they are looked at more
+closely, as those of the first round are."""
+COST = 8.0
+"""Runs of a ray, as guessed before there are any."""
+
+
+@dataclass(frozen=True)
+class DirectionalDetails:
+    """How one criterion was answered.
+
+    Attributes
+    ----------
+    criterion
+        The criterion.
+    rays
+        Rays of a set; 0 where failures were counted.
+    nearest
+        Where failure begins on the ray that meets it first, in standard deviations.
+    pf
+        Estimates (R,), each from one set.
+    """
+
+    criterion: Criterion
+    rays: int
+    nearest: float
+    pf: FloatArray
+
+
+@dataclass(frozen=True)
+class DirectionalSampling(RareEventMethod):
+    """Directional sampling on the real model, for up to ten inputs or so and failures all around.
+
+    Rays run from the origin in directions that are spread evenly and turned at random. Where a ray
+    crosses from working to failing, once or several times, is found by a few runs, and the chi
+    distribution says how much lies beyond. One more run at a random place on each ray keeps the
+    estimate without bias where a crossing was overlooked. Several independent sets of rays tell
+    the error.
+
+    Every criterion has runs of its own; what is left of `max_evals` is split into equal shares for
+    the criteria that are left.
+
+    Attributes
+    ----------
+    rays
+        Rays of a set, rounded up to a power of two; None: so many that `max_evals` pays for 14
+        sets or more, and 64 at most with a target.
+    sets
+        Sets to make; `max_evals` may allow fewer, then the status is ``budget_exhausted``. None:
+        as many as `max_evals` pays for; without a budget 20, or what `target_cov` takes.
+    target_cov
+        Stop early once the relative standard error is at most this, for sure; None: never. A row
+        with a larger one, or with more than 10 % under None, is ``doubtful``.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range.
+
+    Notes
+    -----
+    A frequent failure is counted, with the interval of Clopper and Pearson. Beyond ten inputs
+    hardly a ray meets what matters, and the row is ``doubtful``. A system of half a million random
+    numbers or more is ``unsupported``.
+    """
+
+    name: ClassVar[str] = "directional-sampling"
+    title: ClassVar[str] = "Directional sampling"
+    theory: ClassVar[Theory] = DIRECTIONAL_SAMPLING
+    each_alone: ClassVar[bool] = True
+
+    rays: int | None = None
+    sets: int | None = None
+    target_cov: float | None = None
+
+    def __post_init__(self) -> None:
+        keep(self, "rays", or_none, whole, at_least=FEWEST_RAYS)
+        keep(self, "sets", or_none, whole, at_least=2)
+        keep(self, "target_cov", or_none, real, above=0.0)
+
+    def _answered(
+        self, asked: NestedCriteria, rng: np.random.Generator
+    ) -> Running[tuple[list[Estimate], DirectionalDetails]]:
+        count = yield from frequent(asked, rng)
+        if count:
+            estimate = yield from Sample().counted(asked, self.target_cov, [], rng)
+            return [estimate], DirectionalDetails(asked.criteria[0], 0, math.nan, np.empty(0))
+        rays = self._rays(asked)
+        fans = Fans(asked, rng, rays)
+        rounds = Rounds(asked, self.sets, self.target_cov, WITHOUT_A_BUDGET, rays)
+        cost = COST * rays * asked.event.max_evals_per_sample
+        yield from rounds.make(fans.drawn, cost, rays * asked.event.dimension)
+        estimate = yield from rounds.answer([], rng)
+        return [estimate], DirectionalDetails(
+            asked.criteria[0], rays, fans.nearest, rounds.together("high")
+        )
+
+    def _rays(self, asked: NestedCriteria) -> int:
+        """Rays of a set: a power of two."""
+        wanted = self.rays
+        if wanted is None:
+            wanted = WITH_A_TARGET
+            if asked.session.max_evals is not None:
+                wanted = int(asked.left / (SETS * COST * asked.event.max_evals_per_sample)) // 2
+            most = MOST_RAYS if self.target_cov is None else WITH_A_TARGET
+            wanted = min(max(wanted, FEWEST_RAYS), most)
+        return 1 << math.ceil(math.log2(wanted))
+
+
+def chi_law(dimension: int) -> LineLaw:
+    """Return the law of distances from the origin in standard-normal space."""
+    from scipy.special import chdtr, chdtrc, gammaln
+
+    constant = (0.5 * dimension - 1.0) * math.log(2.0) + float(gammaln(0.5 * dimension))
+
+    def density(at: FloatArray) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            logs = (dimension - 1.0) * np.log(at) - 0.5 * at**2 - constant
+        return np.asarray(np.exp(logs))
+
+    return LineLaw(
+        below=lambda at: np.asarray(chdtr(dimension, np.maximum(at, 0.0) ** 2)),
+        above=lambda at: np.asarray(chdtrc(dimension, np.maximum(at, 0.0) ** 2)),
+        density=density,
+    )
+
+
+@dataclass(eq=False)
+class Fans:
+    """Sets of rays: each set is one estimate of pf.
+
+    Attributes
+    ----------
+    asked
+        The criterion.
+    rng
+        Source of randomness.
+    rays
+        Rays of a set.
+    closely
+        Whether rays are looked at closely.
+    nearest
+        Where failure begins on the ray that meets it first.
+    """
+
+    asked: NestedCriteria
+    rng: np.random.Generator
+    rays: int
+    closely: bool = True
+    nearest: float = math.inf
+    _law: LineLaw = field(init=False)
+    _pf: list[float] = field(default_factory=list)
+    _origin: RunPlaces | None = None
+
+    def __post_init__(self) -> None:
+        self._law = chi_law(self.asked.event.dimension)
+
+    def drawn(self, number: int) -> Running[Round]:
+        """Draw some sets."""
+        dimension, n = self.asked.event.dimension, number * self.rays
+        along = np.concatenate([_spread(self.rays, dimension, self.rng) for _ in range(number)])
+        reach = self._reach()
+        lines = Lines(
+            self.asked, np.zeros((n, dimension)), along, self._law, np.zeros(n), np.full(n, reach)
+        )
+        if self._origin is None:
+            self._origin = yield from lines.run(np.zeros(1, dtype=np.int64), np.zeros(1))
+        origin = self._origin
+        known = RunPlaces(
+            np.arange(n), np.repeat(origin.at, n), np.repeat(origin.state, n),
+            np.repeat(origin.height, n),
+        )  # fmt: skip
+        inner = np.broadcast_to(self._inner(reach), (n, CLOSELY if self.closely else PLACES))
+        segments = yield from lines.followed(inner, known)
+        more_low, more_high = yield from lines.checked(segments, self.rng)
+        nowhere, everywhere = np.zeros(n), np.full(n, np.inf)
+        low, high = lines.masses(segments, nowhere, everywhere)
+        values = [one.reshape(number, -1) for one in (high + more_high, low + more_low)]
+        self.closely = bool((segments.crossings(n) > 1).any() or more_high.any())
+        self.nearest = min(self.nearest, float(segments.first_failures(n).min()))
+        self._pf.extend(values[0].mean(axis=1))
+        return Round(
+            values[0].mean(axis=1),
+            values[1].mean(axis=1),
+            np.abs(more_high).reshape(number, -1).max(axis=1) / self.rays,
+            values[0].max(axis=1) / self.rays,
+        )
+
+    def _reach(self) -> float:
+        """How far out rays are looked at."""
+        from scipy.special import chdtri
+
+        known = float(np.mean(self._pf)) if self._pf else 0.0
+        beyond = BEYOND * known if known > 0.0 else FARTHEST
+        return math.sqrt(float(chdtri(self.asked.event.dimension, min(beyond, 0.5))))
+
+    def _inner(self, reach: float) -> FloatArray:
+        """Places on each ray, beside its end, to begin with."""
+        if self.closely or not math.isfinite(self.nearest):
+            number = CLOSELY if self.closely else PLACES
+            return np.linspace(0.0, reach, number + 2)[1:-1]
+        begin = min(0.98 * self.nearest, 0.9 * reach)
+        return np.linspace(begin, reach, PLACES + 1)[:-1]
+
+
+def _spread(number: int, dimension: int, rng: np.random.Generator) -> FloatArray:
+    """Unit vectors (number, dimension) that are spread evenly over the sphere, turned at random."""
+    from scipy.special import ndtri
+    from scipy.stats.qmc import Sobol
+
+    if dimension == 1:
+        return np.where(np.arange(number) % 2 == 0, 1.0, -1.0)[:, None]
+    if dimension == 2:
+        angle = 2.0 * math.pi * (np.arange(number) + rng.random()) / number
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if dimension <= Sobol.MAXDIM:
+        points = Sobol(dimension, scramble=True, rng=rng).random(number)
+        u = np.asarray(ndtri(np.clip(points, 1e-15, 1.0 - 1e-15)))
+    else:
+        u = rng.standard_normal((number, dimension))
+    return np.asarray(u / np.linalg.norm(u, axis=1, keepdims=True))

@@ -1,0 +1,237 @@
+"""Directions in which failure lies, to lead lines along: one for each region that matters.
+
+A direction comes from gradients on the way to a point of the limit state that is nearest to the
+origin. One region found says nothing of others. So points far out are run, in all directions: where
+one of them fails and no plane found explains it, another search starts there. In d dimensions they
+lie so far out that a plane as near as the nearest one is beyond one in twenty of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uqfold.methods.crossings import LineLaw, Lines
+from uqfold.methods.rare_event import NestedCriteria, Running
+from uqfold.typing import FloatArray
+
+STEP = 0.1
+"""Differences are taken over this length, in standard deviations of the inputs."""
+STEPS = 6
+"""Gradients on the way to one region at most."""
+ARRIVED = 0.1
+"""A point so near to the foot of its own plane, relative to the plane's distance, is arrived."""
+LOOKS, MOST_LOOKS, PART_OF_LOOKS = 100, 2_000, 10
+"""Points far out, fewest and most, else one part in so many of the runs: a plane as near as the
+nearest one is beyond none of a hundred of them once in 170 times."""
+LOOKS_AGAIN = 3
+"""Times that they are drawn at most, since they belong to a distance."""
+MOVED = 0.3
+"""They are drawn again if that distance has changed by more than this."""
+SHARE_BEYOND = 0.05
+"""Share of the points far out that a plane as near as the nearest one has behind it."""
+EXPLAINED = 0.95
+"""A failure beyond this part of a plane's distance is one that the plane explains."""
+NEGLIGIBLE = 1e-3
+"""A region with less than this share of the probability of all has no lines of its own."""
+MOST_DIRECTIONS = 20
+SHARE_OF_RUNS = 0.8
+"""Of the runs, the search may take so much: few lines say more than a wrong direction."""
+FARTHEST = 9.0
+"""No limit state is looked for further out: the probability is 1e-19."""
+LARGEST_COORDINATE = 8.0
+"""Points far out are cut here: models seldom mean anything beyond."""
+ALIKE = 0.999
+"""Directions with a larger cosine than this belong to the same region."""
+UNKNOWN_DISTANCES = (4.0, 6.0, 8.0)
+"""How far out failures are looked for as long as no region is known."""
+
+
+def normal_law() -> LineLaw:
+    """Return the standard normal law, that of places along a line in any direction."""
+    from scipy.special import ndtr
+
+    return LineLaw(
+        below=ndtr,
+        above=lambda at: np.asarray(ndtr(-at)),
+        density=lambda at: np.asarray(np.exp(-0.5 * at**2) / math.sqrt(2.0 * math.pi)),
+    )
+
+
+@dataclass(eq=False)
+class DirectionSearch:
+    """The search for regions of failure, seen from the origin.
+
+    Attributes
+    ----------
+    asked
+        What fails, and how it is run.
+    rng
+        Source of randomness.
+    alphas, betas
+        Unit vectors (K, d) towards failure, and the distances (K,) at which failure begins along
+        them, the nearest first.
+    unexplained
+        Points far out that fail for no reason that is known.
+    """
+
+    asked: NestedCriteria
+    rng: np.random.Generator
+    alphas: FloatArray = field(init=False)
+    betas: FloatArray = field(default_factory=lambda: np.empty(0))
+    unexplained: int = 0
+    _most: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.alphas = np.empty((0, self.asked.event.dimension))
+        self._most = self.asked.session.n_evals + int(SHARE_OF_RUNS * self.asked.left)
+
+    @property
+    def affordable(self) -> int:
+        """Samples that the runs that are left for it pay for."""
+        left = self._most - self.asked.session.n_evals
+        return left // self.asked.event.max_evals_per_sample
+
+    def find(self) -> Running[list[str]]:
+        """Find the regions; return why lines would not reach all failures, or nothing."""
+        dimension = self.asked.event.dimension
+        for alpha in (yield from self._towards(np.zeros(dimension)))[:1]:
+            self._add(alpha, (yield from self._begins(alpha, FARTHEST)))
+        distances = list(UNKNOWN_DISTANCES)
+        for _ in range(LOOKS_AGAIN):
+            distance = float(self.betas[0]) if self.betas.size else distances.pop(0)
+            doubts = yield from self._look(distance)
+            if doubts or (self.betas.size and abs(self.betas[0] - distance) < MOVED):
+                return doubts
+        if self.betas.size:
+            return []
+        return [f"no failure found within {FARTHEST:g} standard deviations of the inputs"]
+
+    def _look(self, distance: float) -> Running[list[str]]:
+        """Look far out in all directions, and follow what is not explained."""
+        if self.affordable < LOOKS:
+            return ["the runs are too few to look for regions of failure"]
+        number = min(max(LOOKS, self.affordable // PART_OF_LOOKS), MOST_LOOKS)
+        u = _far_out(number, self.asked.event.dimension, distance, self.rng)
+        _, high = yield from self.asked.heights(u)
+        fails = self.asked.fail(high)[0]
+        points, heights = u[fails], high[fails]
+        while True:
+            left = np.flatnonzero(~self._explains(points))
+            self.unexplained = left.size
+            if not left.size:
+                return []
+            gradient = self.asked.event.dimension + 1
+            if len(self.betas) >= MOST_DIRECTIONS or self.affordable < gradient:
+                break
+            point = points[left[int(np.argmax(heights[left]))]]
+            length = float(np.linalg.norm(point))
+            ray = point / length
+            begin = yield from self._begins(ray, length)
+            begin = min(begin, length)
+            for alpha in (yield from self._towards(begin * ray)):
+                self._add(alpha, (yield from self._begins(alpha, FARTHEST)))
+                if self._explains(point[None, :]).any():
+                    break
+            else:
+                # the way from there has led back to what is known
+                self._add(ray, begin)
+        return [
+            f"{self.unexplained} of {number} points far out fail where none of "
+            f"{len(self.betas)} directions leads"
+        ]
+
+    def _explains(self, points: FloatArray) -> np.ndarray:
+        """Whether each point (k, d) lies beyond, or nearly beyond, a plane that is known."""
+        if not self.betas.size:
+            return np.zeros(len(points), dtype=np.bool_)
+        return np.asarray((points @ self.alphas.T >= EXPLAINED * self.betas).any(axis=1))
+
+    def _towards(self, start: FloatArray) -> Running[list[FloatArray]]:
+        """Walk to the nearest point of a limit state.
+
+        Return the direction of the gradient nearest to it, and that of the first one; none where
+        there is no gradient.
+        """
+        dimension, limit = start.size, float(self.asked.limits[0])
+        u, best, found = start, None, []
+        for _ in range(STEPS):
+            if best is not None and self.affordable < 3 * (dimension + 1) + 2 * LOOKS:
+                break
+            if self.affordable < dimension + 1:
+                break
+            height, gradient = yield from self._gradient(u)
+            slope = float(np.linalg.norm(gradient))
+            if not (math.isfinite(slope) and slope > 0.0 and math.isfinite(height)):
+                break
+            alpha = gradient / slope
+            found.append(alpha)
+            beta = (limit - height) / slope + float(alpha @ u)
+            foot = min(max(beta, -FARTHEST), FARTHEST) * alpha
+            residual = float(np.linalg.norm(u - foot))
+            if best is None or residual < best[0]:
+                best = residual, alpha, u, foot
+                u = foot
+            else:
+                u = 0.5 * (u + best[2])
+            if residual < ARRIVED * max(1.0, abs(beta)):
+                break
+        return found if best is None else [best[1], found[0]]
+
+    def _gradient(self, u: FloatArray) -> Running[tuple[float, FloatArray]]:
+        """Height at u (d,), and its forward differences (d,); zero where there is none."""
+        around = np.vstack([u, u + STEP * np.eye(u.size)])
+        _, high = yield from self.asked.heights(around)
+        with np.errstate(invalid="ignore"):
+            rise = (high[1:] - high[0]) / STEP
+        return float(high[0]), np.where(np.isfinite(rise), rise, 0.0)
+
+    def _begins(self, ray: FloatArray, reach: float) -> Running[float]:
+        """How far out failure begins along a ray; +inf if it does not."""
+        inner = reach * np.linspace(0.2, 0.8, 4)[None, :]
+        line = Lines(
+            self.asked, np.zeros((1, ray.size)), ray[None, :], normal_law(), np.zeros(1),
+            np.full(1, reach),
+        )  # fmt: skip
+        if self.affordable < 2 * inner.size:
+            return math.inf
+        segments = yield from line.followed(inner)
+        return float(segments.first_failures(1)[0])
+
+    def _add(self, alpha: FloatArray, beta: float) -> None:
+        """Note a direction, or that it is a better one than an old one like it."""
+        alike = self.alphas @ alpha > ALIKE
+        if math.isinf(beta) or (alike & (self.betas <= beta)).any():
+            return
+        alphas = np.vstack([self.alphas[~alike], alpha])
+        betas = np.append(self.betas[~alike], beta)
+        order = np.argsort(betas, kind="stable")
+        self.alphas, self.betas = alphas[order], betas[order]
+
+    def weighty(self) -> tuple[FloatArray, FloatArray]:
+        """Directions (K, d) and distances (K,) of the regions that are not negligible."""
+        from scipy.special import ndtr
+
+        shares = ndtr(-self.betas)
+        kept = shares >= NEGLIGIBLE * shares.sum()
+        return self.alphas[kept], self.betas[kept]
+
+
+def _far_out(number: int, dimension: int, distance: float, rng: np.random.Generator) -> FloatArray:
+    """Points (k, d) in all directions, so far out that planes at a distance are met."""
+    from scipy.special import betaincinv
+
+    u = rng.standard_normal((number, dimension))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    cosine = 0.0
+    if dimension > 1:
+        # the square of one coordinate of a unit vector has a beta law
+        quantile = betaincinv(0.5, 0.5 * (dimension - 1), 1.0 - 2.0 * SHARE_BEYOND)
+        cosine = math.sqrt(float(quantile))
+    far = distance / cosine if cosine > 0.0 else 0.0
+    # where that is hardly beyond the plane: as far as a plane of a negligible probability
+    near = math.sqrt(distance**2 - 2.0 * math.log(NEGLIGIBLE))
+    radius = np.linspace(distance, near, number)[:, None] if near > far else far
+    return np.clip(radius * u, -LARGEST_COORDINATE, LARGEST_COORDINATE)
