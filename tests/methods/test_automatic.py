@@ -1,6 +1,7 @@
 """One answer without choosing a method."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import openturns as ot
@@ -8,8 +9,11 @@ import pytest
 
 import uqfold
 from uqfold.comparison import named_problem
-from uqfold.methods import Automatic, Kriging, Solution, Task
-from uqfold.methods.automatic import MethodTried
+from uqfold.evaluation import Evaluator
+from uqfold.methods import Automatic, Kriging, ReliabilityMethod, Solution, Task
+from uqfold.methods.automatic_check import SurfaceModel
+from uqfold.methods.automatic_course import Course, MethodTried
+from uqfold.methods.result import Estimate
 
 NORMALS = ot.Normal(2)
 
@@ -29,10 +33,10 @@ def test_a_smooth_problem_is_answered_by_a_surface_and_checked_on_the_model() ->
     """The check is made by runs that the surface has not seen, and they are told apart."""
     result = uqfold.estimate(linear(2.0), rng=1)
     row = result[0]
-    assert courses(result) == [("kriging", "answer"), ("importance-sampling", "check")]
+    assert courses(result) == [("kriging", "answer"), ("guided-sampling", "check")]
     assert row.status == "converged"
     assert row.pf == pytest.approx(0.0227501319, rel=1e-3)
-    assert row.message.startswith("by kriging; importance-sampling found 0.02")
+    assert row.message.startswith("by kriging; guided-sampling found 0.02")
     attempts = result.details.attempts
     surface, check = (one.n_evals for one in attempts)
     assert 100 <= surface < 150
@@ -49,6 +53,37 @@ def test_what_a_surface_doubts_is_simulated_where_the_surface_leaves_it_open() -
     assert courses(result) == [("kriging", "answer"), ("multifidelity-mc", "answer")]
     assert result[0].status == "converged"
     assert abs(result[0].pf - right.pf) < 4.0 * result[0].std_error < 0.25 * right.pf
+
+
+def test_a_rare_failure_is_seen_by_the_check() -> None:
+    """The check of one in 3.5 million found "0 in 0 .. 0.002", and the row read as checked (F3)."""
+    result = uqfold.estimate(linear(5.0), max_evals=400, rng=1)
+    assert 300 <= result.n_evals <= 400
+    check = result.details.attempts[-1]
+    assert result[0].status == "converged"
+    assert "not checked" not in result[0].message
+    assert check.estimates[0].pf == pytest.approx(2.866516e-07, rel=0.25)
+    assert check.estimates[0].std_error < 0.1 * check.estimates[0].pf
+
+
+def test_what_no_run_is_left_to_check_is_not_called_checked() -> None:
+    """An empty check is none; who asks for none gets the surface's own word (F3)."""
+    result = uqfold.estimate(linear(5.0), max_evals=100, rng=1)
+    assert courses(result) == [("kriging", "answer")]
+    assert result[0].status == "unchecked"
+    assert "not checked on the model" in result[0].message
+    unasked = Automatic(check_runs=0).estimate(linear(5.0), max_evals=100, rng=1)[0]
+    assert unasked.status == "converged"
+    assert "not checked on the model" in unasked.message
+
+
+def test_the_surface_of_a_system_is_checked_by_one_unit() -> None:
+    """Twenty missions of four units cost eighty runs a sample, one unit costs one (F3)."""
+    criteria = uqfold.criteria([2.0, 6.0], missions=20)
+    result = uqfold.estimate(uqfold.problems.series(), criteria, max_evals=600, rng=1)
+    assert courses(result) == [("kriging", "answer"), ("guided-sampling", "check")]
+    assert {row.status for row in result} == {"converged"}
+    assert all("one unit on the model fails" in row.message for row in result)
 
 
 def test_a_bare_step_is_doubtful_and_bounded() -> None:
@@ -85,16 +120,90 @@ def test_a_surface_that_the_model_contradicts_is_not_believed(
     assert "answers contradict each other" in row.message
 
 
-def test_the_budget_is_kept_and_more_runs_are_asked_for() -> None:
-    """A small budget leaves nothing for a check; the message says what it would take."""
-    result = uqfold.estimate(linear(2.0), max_evals=300, rng=1)
-    assert courses(result) == [("kriging", "answer")]
-    assert 100 <= result.n_evals < 150
-    rough = uqfold.Problem(lambda x: np.round(x.sum(axis=1)), inputs=NORMALS, name="rough")
-    row = uqfold.estimate(rough, uqfold.criteria(3.5), max_evals=1200, rng=1)[0]
-    assert row.n_evals <= 1200
+def test_a_surface_of_a_system_that_the_model_contradicts_is_not_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Runs of one unit find out a surface that is wrong where failure begins."""
+    told = SurfaceModel.__call__
+    monkeypatch.setattr(SurfaceModel, "__call__", lambda self, x: told(self, x) - 0.5)
+    criteria = uqfold.criteria(6.0, missions=20)
+    row = uqfold.estimate(uqfold.problems.series(), criteria, max_evals=400, rng=1)[0]
     assert row.status == "doubtful"
-    assert "runs would be enough" in row.message
+    assert "answers contradict each other" in row.message
+
+
+def test_one_run_bounds_pf() -> None:
+    """One run is no surface, but it is a simulation (F8)."""
+    row = uqfold.estimate(linear(2.0), max_evals=1, rng=1)[0]
+    assert row.status == "doubtful"
+    assert row.ci_low == 0.0
+    assert row.ci_high == pytest.approx(0.95)
+    assert row.n_evals == 1
+
+
+def test_a_model_that_only_fails_is_run_no_longer_than_that_takes() -> None:
+    """It is ``failed``, with what it said, after the first runs of two methods (F8)."""
+    broken = uqfold.Problem(lambda x: np.full(len(x), np.nan), inputs=NORMALS, name="broken")
+    row = uqfold.estimate(broken, uqfold.criteria(1.0), rng=1)[0]
+    assert row.status == "failed"
+    assert row.n_evals == row.n_failed < 300
+
+
+@dataclass(frozen=True)
+class _Says(ReliabilityMethod):
+    """Says what it is told to."""
+
+    name: ClassVar[str] = "parrot"
+    said: Estimate | None = None
+
+    def _solve(self, task: Task) -> Solution:
+        assert self.said is not None
+        return Solution([self.said] * len(task.criteria))
+
+
+def best_of(*said: Estimate) -> Estimate:
+    """Return what automatic choice makes of some answers to one criterion."""
+    problem, criteria = linear(2.0), tuple(uqfold.criteria(0.0))
+    session = Evaluator().open(problem, 10)
+    course = Course(Task(problem, criteria, 1, session))
+    for one in said:
+        course.ask(_Says(one), [0], 5, "answer")
+    return course.answer(0, 0.05, check_wanted=True)
+
+
+BY_SURFACE = Estimate(1.37e-2, status="doubtful", message="predicts badly")
+
+
+def test_a_doubtful_surface_is_not_believed_against_a_bound() -> None:
+    """It said 1.37e-2 where no system of 2,300 had failed (F4)."""
+    bound = Estimate(
+        0.0, ci_low=0.0, ci_high=1.3e-3, ci_kind="clopper-pearson 95 % one-sided",
+        error_kind="sampling", status="doubtful",
+    )  # fmt: skip
+    wide = replace(BY_SURFACE, std_error=2e-3, ci_low=9e-3, ci_high=2e-2, error_kind="surrogate")
+    for surface in (BY_SURFACE, wide):
+        row = best_of(surface, bound)
+        assert (row.pf, row.ci_high, row.status) == (0.0, 1.3e-3, "doubtful")
+
+
+def test_a_wide_simulation_does_not_replace_a_surface_within_its_interval() -> None:
+    """The surface's number is told with the interval of the simulation (F5)."""
+    wide = Estimate(
+        4e-2, std_error=3e-2, ci_low=4e-3, ci_high=0.3, ci_kind="gamma 95 %",
+        error_kind="sampling", status="doubtful", message="one sample makes 60 % of pf",
+    )  # fmt: skip
+    row = best_of(BY_SURFACE, wide)
+    assert (row.pf, row.ci_low, row.ci_high) == (1.37e-2, 4e-3, 0.3)
+    assert row.status == "doubtful"
+    assert "runs would be enough" not in row.message
+    assert "parrot found 0.04 +- 0.03, doubtful" in row.message
+    # what is doubted for other reasons than its width no number of runs makes good
+    alone = best_of(wide)
+    assert alone.pf == 4e-2
+    assert "runs would be enough" not in alone.message
+    assert "runs would be enough" in best_of(replace(wide, status="converged")).message
+    narrow = replace(wide, std_error=4e-3, ci_low=3e-2, ci_high=5e-2)
+    assert best_of(BY_SURFACE, narrow).pf == 4e-2
 
 
 def test_settings_are_checked() -> None:

@@ -12,6 +12,8 @@ from uqfold.typing import FloatArray
 
 FEWEST = 10
 """So many repetitions must have seen failures, or the answer is doubtful."""
+FEWEST_FOR_SPREAD = 3
+"""With fewer of them the interval is all that an event that contains failure leaves open."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,8 @@ def combined(
     high, low
         Estimates of pf, failed runs counted as failures (high), and as safe (low).
     above
-        Estimates of an event that contains failure, for an upper bound where nothing failed.
+        Estimates of an event that contains failure, for an upper bound where hardly any of the
+        repetitions saw failures.
     target
         Largest relative standard error of a row that is not doubtful; see `most_cov`.
     status, messages
@@ -121,12 +124,16 @@ def combined(
             f"from {high.values.size} repetitions, the standard error may be above {target:.3g} pf"
         )
         messages = [why, *messages]
+    ci_low, ci_high, ci_kind = low.ends()[0], high.ends()[1], "t 95 % of log pf"
+    if seen < FEWEST_FOR_SPREAD:
+        # one climb that has come far says nothing of how far others come
+        ci_low, ci_high, ci_kind = 0.0, max(ci_high, above.ends()[1]), "upper bound 95 %"
     return Estimate(
         pf,
         std_error=pf * high.cov,
-        ci_low=low.ends()[0],
-        ci_high=max(pf, high.ends()[1]),
-        ci_kind="t 95 % of log pf",
+        ci_low=ci_low,
+        ci_high=max(pf, ci_high),
+        ci_kind=ci_kind,
         pf_low=min(pf, low.mean),
         pf_high=pf,
         error_kind="sampling",

@@ -1,0 +1,99 @@
+"""Importance sampling on the model, where a cheap partner says that failures are."""
+
+from dataclasses import replace
+
+import numpy as np
+import openturns as ot
+import pytest
+from scipy.special import ndtr
+
+import uqfold
+from uqfold.methods.guided_sampling import GuidedSampling
+from uqfold.typing import FloatArray
+
+
+def plane(x: FloatArray) -> FloatArray:
+    return np.asarray((x[:, 0] + x[:, 1]) / np.sqrt(2.0))
+
+
+def turned(x: FloatArray) -> FloatArray:
+    """Twenty degrees off."""
+    return np.asarray(0.906 * x[:, 0] + 0.423 * x[:, 1])
+
+
+def either(x: FloatArray) -> FloatArray:
+    return np.asarray(np.abs(plane(x)))
+
+
+PROBLEM = uqfold.Problem(plane, inputs=ot.Normal(2), low_fidelity=plane, name="plane")
+TRUE = float(ndtr(-4.0))
+CRITERIA = uqfold.criteria(4.0)
+
+
+def test_a_right_partner_leaves_hardly_an_error() -> None:
+    """Three in 100,000 within 4 % by 200 runs, as one more wrong verdict would have it."""
+    row = GuidedSampling(refined=False).estimate(PROBLEM, CRITERIA, max_evals=1_000, rng=1)[0]
+    assert row.status == "converged"
+    assert row.n_evals == 200
+    assert 0.0 < row.std_error <= 0.05 * row.pf
+    assert row.pf == pytest.approx(TRUE, rel=0.04)
+    assert row.ci_low < TRUE < row.ci_high
+
+
+def test_a_wrong_partner_biases_nothing() -> None:
+    """Over seeds the answers scatter about the truth as they say, whatever the partner says."""
+    problem = replace(PROBLEM, low_fidelity=turned)
+    apart = []
+    for seed in range(4):
+        row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=seed)[0]
+        if row.status == "converged":
+            apart.append((row.pf - TRUE) / row.std_error)
+    assert len(apart) >= 3
+    assert np.abs(apart).max() < 4.0
+    assert abs(np.mean(apart)) < 4.0 / np.sqrt(len(apart))
+
+
+def test_a_region_that_the_partner_does_not_know_is_seen_or_doubted() -> None:
+    """Half of the failures lie on the other side."""
+    problem = replace(PROBLEM, model=either, low_fidelity=plane)
+    row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=1)[0]
+    known = row.status == "converged" and row.pf == pytest.approx(2.0 * TRUE, rel=0.2)
+    assert row.status in ("doubtful", "failed") or known
+
+
+def test_a_partner_that_never_fails_leads_nowhere() -> None:
+    """No run of the model is spent on it."""
+    problem = replace(PROBLEM, low_fidelity=lambda x: np.minimum(plane(x), 1.0))
+    row = GuidedSampling().estimate(problem, CRITERIA, max_evals=1_000, rng=1)[0]
+    assert (row.status, row.n_evals) == ("failed", 0)
+    assert "by the partner" in row.message
+
+
+def test_failed_runs_are_bounded() -> None:
+    """Both ends hold the truth."""
+
+    def broken(x: FloatArray) -> FloatArray:
+        return np.where(x[:, 0] > 3.0, np.nan, plane(x))
+
+    problem = replace(PROBLEM, model=broken, low_fidelity=plane)
+    row = GuidedSampling(refined=False).estimate(problem, CRITERIA, max_evals=500, rng=1)[0]
+    assert row.status == "doubtful"
+    assert row.pf_low < TRUE < row.pf_high * 1.05
+
+
+def test_a_frequent_failure_needs_no_density() -> None:
+    """It is counted, helped by the partner."""
+    row = GuidedSampling().estimate(PROBLEM, uqfold.criteria(0.5), max_evals=2_000, rng=1)[0]
+    assert row.status == "converged"
+    assert row.n_evals <= 600
+    assert abs(row.pf - ndtr(-0.5)) < 4.0 * row.std_error < 0.2 * row.pf
+
+
+def test_what_it_cannot_do_is_unsupported() -> None:
+    """A problem without a partner."""
+    problem = uqfold.Problem(plane, inputs=ot.Normal(2))
+    row = GuidedSampling().estimate(problem, CRITERIA, rng=1)[0]
+    assert row.status == "unsupported"
+    assert "partner" in row.message
+    with pytest.raises(ValueError, match=r"target_cov = 0\.0"):
+        GuidedSampling(target_cov=0.0)
