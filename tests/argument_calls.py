@@ -651,6 +651,14 @@ def calls(folder: Path) -> dict[str, Call]:
         "inputs.JointInputs.gauss_rule": Call(
             joint.gauss_rule, {"column": count(1).also("zero"), "n": count()}
         ),
+        "inputs.from_data": Call(
+            inputs.from_data,
+            {
+                "data": numbers(np.linspace(1.0, 2.0, 20).tolist()),
+                "family": optional(choice("normal")),
+                "bounds": thing((-math.inf, math.inf)),
+            },
+        ),
         "inputs.joint_inputs": Call(
             inputs.joint_inputs,
             {

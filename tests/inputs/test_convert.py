@@ -1,6 +1,8 @@
 """Distributions of scipy.stats and chaospy become OpenTURNS ones with the same law."""
 
 import math
+import pickle
+from contextlib import suppress
 from typing import Any
 
 import chaospy
@@ -8,7 +10,9 @@ import numpy as np
 import openturns as ot
 import pytest
 from scipy import stats
+from scipy.special import ndtr
 
+from uqfold.inputs import product_inputs
 from uqfold.inputs.convert import as_openturns
 
 SCIPY = {
@@ -97,6 +101,48 @@ def test_a_family_whose_law_differs_is_not_taken(monkeypatch: pytest.MonkeyPatch
     assert converted.computeCDF(5.0) == pytest.approx(stats.norm(3, 2).cdf(5.0), rel=1e-12)
 
 
+NORMAL = stats.Normal(mu=1.0, sigma=2.0)
+
+
+@pytest.mark.parametrize(
+    ("variable", "law", "shown"),
+    [
+        (NORMAL, stats.norm(1, 2), "Normal(mu = 1, sigma = 2)"),
+        (2.0 * NORMAL + 1.0, stats.norm(3, 4), "Normal(mu = 3, sigma = 4)"),
+        (stats.Uniform(a=0.0, b=2.0), stats.uniform(0, 2), "Uniform(a = 0, b = 2)"),
+        (stats.truncate(NORMAL, 0.0, 4.0), stats.truncnorm(-0.5, 1.5, 1, 2), "Truncated"),
+        (
+            stats.exp(stats.Normal(mu=0.1, sigma=0.2)),
+            stats.lognorm(0.2, scale=math.exp(0.1)),
+            "scipy.stats.exp(Normal(mu=0.1, sigma=0.2))",
+        ),
+        (stats.make_distribution(stats.gamma)(a=2.0), stats.gamma(2), "scipy.stats.Gamma(a=2.0)"),
+    ],
+)
+def test_random_variables_of_scipy_keep_their_law_to_the_tails(
+    variable: Any, law: Any, shown: str
+) -> None:
+    inputs = product_inputs(None, {"x": variable})
+    u = np.array([-6.0, -3.0, 0.0, 3.0, 6.0])
+    x = inputs.from_standard_normal(u[:, None])[:, 0]
+    np.testing.assert_allclose(x, np.where(u < 0, law.ppf(ndtr(u)), law.isf(ndtr(-u))), rtol=1e-9)
+    assert inputs.means[0] == pytest.approx(law.mean(), rel=1e-9)
+    assert inputs.standard_deviations[0] == pytest.approx(law.std(), rel=1e-6)
+    assert str(inputs.columns[0]).startswith(shown)
+
+
+def test_a_mixture_of_scipy_is_tabulated_and_never_pickled_wrongly() -> None:
+    """SciPy's pickle of a normal variable forgets its mean, which must not go unnoticed."""
+    mixture = stats.Mixture([NORMAL, stats.Normal(mu=5.0, sigma=1.0)], weights=[0.3, 0.7])
+    inputs = product_inputs(None, {"x": mixture})
+    x = inputs.from_standard_normal(np.array([[-3.0], [1.0], [5.0]]))
+    np.testing.assert_allclose(mixture.cdf(x[:2, 0]), ndtr([-3.0, 1.0]), rtol=1e-6)
+    assert mixture.ccdf(x[2, 0]) == pytest.approx(ndtr(-5.0), rel=1e-3)
+    with suppress(ValueError):  # it is refused, or right
+        again = pickle.loads(pickle.dumps(inputs))
+        np.testing.assert_array_equal(again.from_standard_normal(np.array([[-3.0]])), x[:1])
+
+
 def test_multivariate_normal_of_scipy() -> None:
     covariance = [[1.0, 0.5, 0.0], [0.5, 2.0, -0.3], [0.0, -0.3, 0.5]]
     frozen = stats.multivariate_normal([1, 2, 3], covariance)
@@ -173,6 +219,9 @@ def test_mappings_and_sequences() -> None:
             "state the dependence with an OpenTURNS copula",
         ),
         (stats.norm, TypeError, "is not a frozen distribution"),
+        (stats.Normal(mu=[0, 1]), ValueError, "scipy.stats.Normal with arrays of parameters"),
+        (stats.Normal(sigma=-1.0), ValueError, "scipy.stats.Normal: the parameters make no"),
+        (stats.Binomial(n=3, p=0.5), ValueError, "scipy.stats.Binomial is discrete"),
         (stats.norm([0, 1], 1), ValueError, "scipy.stats.norm with arrays of parameters"),
         (stats.gaussian_kde([1.0, 2.0, 3.0]), TypeError, "is not a frozen distribution"),
         ([], ValueError, "an empty list of distributions"),

@@ -3,4 +3,5 @@ from uqfold.inputs.assembly import (
     normal as normal,
     product_inputs as product_inputs,
 )
+from uqfold.inputs.data import from_data as from_data
 from uqfold.inputs.joint import JointInputs as JointInputs

@@ -1,8 +1,8 @@
 """Bring a distribution of any supported origin into OpenTURNS form.
 
-OpenTURNS distributions pass unchanged. Frozen scipy.stats distributions of the common families, and
-chaospy's normal, uniform and lognormal ones, become the OpenTURNS family with the same parameters,
-checked against the original at a few points. Any other one-dimensional distribution is wrapped for
+OpenTURNS distributions pass unchanged. Those of scipy.stats of the common families, and chaospy's
+normal, uniform and lognormal ones, become the OpenTURNS family with the same parameters, checked
+against the original at a few points. Any other one-dimensional distribution is wrapped for
 OpenTURNS' own use; `uqfold.inputs.laws` asks the original instead, all values at once.
 """
 
@@ -32,8 +32,9 @@ def as_openturns(distribution: Any) -> Any:
     ----------
     distribution
         An OpenTURNS distribution; a frozen scipy.stats distribution (univariate continuous, or
-        ``multivariate_normal``); a chaospy distribution with independent components; a mapping
-        from names to univariate distributions, or a sequence of them (then independent).
+        ``multivariate_normal``), or a random variable such as ``scipy.stats.Normal()``; a chaospy
+        distribution with independent components; a mapping from names to univariate distributions,
+        or a sequence of them (then independent).
 
     Returns
     -------
@@ -104,6 +105,11 @@ def _from_scipy(frozen: Any) -> Any:
     if type(frozen).__name__ == "multivariate_normal_frozen":
         covariance = ot.CovarianceMatrix(np.atleast_2d(frozen.cov).tolist())
         return ot.Normal(np.atleast_1d(frozen.mean).tolist(), covariance)
+    from uqfold.inputs.scipy_variable import frozen_variable, is_variable
+
+    if is_variable(frozen):
+        wrapped = frozen_variable(frozen)
+        return _variable_family(ot, frozen) or _wrapped_scipy(ot, wrapped)
     if any(kind.__name__ == "multi_rv_frozen" for kind in type(frozen).__mro__):
         raise TypeError(
             f"{type(frozen).__name__} has several components: of SciPy's joint distributions only "
@@ -141,6 +147,22 @@ def _from_scipy(frozen: Any) -> Any:
             candidate = None
         if candidate is not None and _agrees(candidate, frozen.ppf, frozen.cdf):
             return candidate
+    return _wrapped_scipy(ot, frozen)
+
+
+def _variable_family(ot: Any, variable: Any) -> Any | None:
+    """Return the OpenTURNS family of a random variable of SciPy's newer kind, or None."""
+    kinds = [kind.__name__ for kind in type(variable).__mro__]
+    make = next((_VARIABLE_FAMILIES[kind] for kind in kinds if kind in _VARIABLE_FAMILIES), None)
+    if make is None:
+        return None
+    candidate = make(ot, variable)
+    if closed_form(candidate) is None:
+        return None
+    return candidate if _agrees(candidate, variable.icdf, variable.cdf) else None
+
+
+def _wrapped_scipy(ot: Any, frozen: Any) -> Any:
     try:
         return ot.Distribution(ot.SciPyDistribution(frozen))
     except (TypeError, ValueError, RuntimeError, ArithmeticError) as error:
@@ -204,6 +226,19 @@ _CHAOSPY_FAMILIES: dict[str, Callable[[Any, float, float], Any]] = {
     "Uniform": lambda ot, lower, median: ot.Uniform(2 * lower - median, 3 * median - 2 * lower),
     "LogNormal": lambda ot, lower, median: (
         ot.LogNormal(math.log(median), math.log(median / lower) / _QUARTILE) if lower > 0 else None
+    ),
+}
+
+# name -> (openturns module, variable of SciPy's newer kind) -> distribution
+_VARIABLE_FAMILIES: dict[str, Callable[[Any, Any], Any]] = {
+    "Normal": lambda ot, own: ot.Normal(float(own.mu), float(own.sigma)),
+    "Uniform": lambda ot, own: ot.Uniform(float(own.a), float(own.b)),
+    # SciPy's own quantiles are not exact near the bounds
+    "TruncatedDistribution": lambda ot, own: ot.TruncatedDistribution(
+        as_openturns(own._dist), float(own.lb), float(own.ub)
+    ),
+    "ShiftedScaledDistribution": lambda ot, own: (
+        float(own.scale) * ot.Distribution(as_openturns(own._dist)) + float(own.loc)
     ),
 }
 

@@ -216,6 +216,8 @@ def scipy_name(frozen: Any) -> str:
     """Return a frozen SciPy distribution as one would write it."""
     given = [f"{value:.12g}" for value in frozen.args]
     given += [f"{name}={value:.12g}" for name, value in frozen.kwds.items()]
+    if frozen.dist.name.endswith(")"):  # it is no family, and has its numbers in its name
+        return " + ".join([frozen.dist.name, *given])
     return f"scipy.stats.{frozen.dist.name}({', '.join(given)})"
 
 
@@ -235,7 +237,8 @@ def _without_quantiles(frozen: Any) -> bool:
     """Return whether a frozen SciPy distribution has no quantile function of its own."""
     from scipy.stats import rv_continuous
 
-    return type(frozen.dist)._ppf is rv_continuous._ppf
+    own = type(frozen.dist)._ppf is not rv_continuous._ppf
+    return not own or getattr(frozen.dist, "solved", False)
 
 
 def _moved_scipy(frozen: Any, mean: float, std: float) -> Any:
