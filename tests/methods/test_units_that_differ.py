@@ -29,6 +29,7 @@ from uqfold import (
 )
 from uqfold.analysis import conditional_sobol, pick_freeze
 from uqfold.inputs import normal
+from uqfold.inputs.assembly import normal_copula
 from uqfold.methods import (
     FFNI,
     ActiveKriging,
@@ -641,7 +642,9 @@ def test_units_that_differ_are_stored(tmp_path) -> None:  # type: ignore[no-unty
 
 def test_own_inputs_need_shared_ones_that_are_independent() -> None:
     joint = Problem(pump, **INPUTS).inputs.distribution
-    with pytest.raises(ValueError, match="with inputs=, all units have the same"):
-        Problem(pump, inputs=joint, shared=["V"], units=[VALVE])
+    assert Problem(pump, inputs=joint, shared=["V"], units=[VALVE]).inputs.dimension == 3
+    tied = normal_copula({"V": normal(0, 1), "U": normal(0, 1)}, np.array([[1, 0.5], [0.5, 1]]))
+    with pytest.raises(ValueError, match="shared and individual inputs depend on each other"):
+        Problem(pump, inputs=tied, shared=["V"], units=[VALVE])
     with pytest.raises(ValueError, match="input 'V' is named twice"):
         Problem(pump, **INPUTS, units=[Unit(individual={"V": normal(0, 1)})])

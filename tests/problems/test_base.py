@@ -286,6 +286,22 @@ def test_a_problem_with_another_number_of_units() -> None:
     assert replace(problem, units=4, name="four").references == problem.references
 
 
+def test_a_problem_with_other_inputs_of_its_own_or_shared() -> None:
+    """Refused, as if inputs= were given; and units with inputs of their own, whatever changed."""
+    problem = Problem(
+        first_column, shared={"V": normal(0, 1)}, individual={"U": normal(0, 1)}, units=2
+    )
+    own = replace(problem, individual={"a": normal(1, 1), "b": normal(0, 3)})
+    assert own.inputs.names == ("V", "a", "b")
+    assert own.inputs.means.tolist() == [0.0, 1.0, 0.0]
+    shared = replace(own, shared=[normal(5, 2)], units=[Unit(individual={"c": normal(7, 1)})])
+    assert (shared.inputs.n_shared, shared.inputs.means.tolist()) == (1, [5.0, 7.0])
+    assert replace(shared, structure=Parallel()).inputs.means.tolist() == [5.0, 7.0]
+    assert replace(problem, inputs={"x": normal(0, 1)}).inputs.names == ("x",)
+    with pytest.raises(ValueError, match=r"input_units = .*: give one for each of 4 inputs"):
+        replace(replace(problem, input_units=("m", "s")), individual=ot.Normal(3))
+
+
 @pytest.mark.parametrize("copied", [copy, deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
 def test_a_copy_keeps_its_references_until_it_asks_something_else(
     copied: Callable[[Problem], Problem],

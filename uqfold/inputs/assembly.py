@@ -57,7 +57,8 @@ def product_inputs(
     Parameters
     ----------
     shared, individual
-        Distributions in any form `as_openturns` takes; at least one of them is not None.
+        Distributions in any form `as_openturns` takes, or some of another problem's inputs; at
+        least one of them is not None.
     names
         Names of all inputs, shared first; by default those of the distributions.
 
@@ -67,16 +68,40 @@ def product_inputs(
         If there is no input at all, a name occurs twice, or an input cannot be computed.
     """
     named = (("shared", shared), ("individual", individual))
-    given = [part for _, part in named if part is not None]
-    if not given:
+    if shared is None and individual is None:
         raise ValueError("no inputs: give shared=, individual= or inputs=, not None for all")
-    blocks = [_distribution(name, part) for name, part in named if part is not None]
-    own = [_Names.of(part, block) for part, block in zip(given, blocks, strict=True)]
+    blocks = [_block(name, part) for name, part in named if part is not None]
     parts = Parts((), ())
-    for block in blocks:
-        parts = parts.followed_by(taken_apart(block))
-    n_shared = blocks[0].getDimension() if shared is not None else 0
-    return _assembled(parts, _resolved(names, own), n_shared)
+    for block, _ in blocks:
+        parts = parts.followed_by(block)
+    n_shared = len(blocks[0][0].marginals) if shared is not None else 0
+    return _assembled(parts, _resolved(names, [own for _, own in blocks]), n_shared)
+
+
+def with_other_inputs(
+    inputs: JointInputs,
+    shared: Any | None = None,
+    individual: Any | None = None,
+    names: Sequence[str] | None = None,
+) -> JointInputs:
+    """Return inputs with other shared or individual ones, or both.
+
+    Parameters are those of `product_inputs`, None standing for those of `inputs`.
+
+    Raises
+    ------
+    ValueError
+        If shared and individual ones depend on each other.
+    """
+    n = inputs.n_shared
+    if any(min(part.columns) < n <= max(part.columns) for part in inputs.parts.dependent):
+        remedy = "shared and individual inputs depend on each other: give all of them as inputs="
+        raise refused("inputs", inputs, remedy)
+    if shared is None and n > 0:
+        shared = inputs.in_order(range(n))
+    if individual is None and n < inputs.dimension:
+        individual = inputs.in_order(range(n, inputs.dimension))
+    return product_inputs(shared, individual, names)
 
 
 def joint_inputs(
@@ -131,6 +156,14 @@ def _distribution(name: str, given: Any) -> Any:
         raise kind(f"{name if bare else f'{name} = {shown(given)}'}: {error}") from error
 
 
+def _block(name: str, given: Any) -> tuple[Parts, _Names]:
+    """Return the parts and the names of an argument, which errors name."""
+    if isinstance(given, JointInputs):
+        return given.parts, _Names(given.names, not _are_default(given.names))
+    distribution = _distribution(name, given)
+    return taken_apart(distribution), _Names.of(given, distribution)
+
+
 def _assembled(parts: Parts, names: tuple[str, ...], n_shared: int) -> JointInputs:
     """Let the inputs in, one by one and then what depends on each other."""
     names = checked_names("names of inputs", names)
@@ -155,8 +188,11 @@ class _Names:
     def of(cls, given: Any, distribution: Any) -> _Names:
         """Names of a distribution; those of a mapping, or off their default places, are given."""
         own = tuple(str(name) for name in distribution.getDescription())
-        default = all(name == f"X{i}" for i, name in enumerate(own))
-        return cls(own, isinstance(given, Mapping) or not default)
+        return cls(own, isinstance(given, Mapping) or not _are_default(own))
+
+
+def _are_default(names: Sequence[str]) -> bool:
+    return all(name == f"X{i}" for i, name in enumerate(names))
 
 
 def _resolved(given: Sequence[str] | None, blocks: Sequence[_Names]) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from uqfold.checks import (
     names as checked_names,
 )
 from uqfold.inputs import JointInputs, joint_inputs, product_inputs
+from uqfold.inputs.assembly import with_other_inputs
 from uqfold.problems.criterion import LIMIT_STATE_THRESHOLD, Criteria, criteria
 from uqfold.problems.responses import numbers_in
 from uqfold.problems.structure import Series, SystemStructure, checked_structure
@@ -62,7 +63,9 @@ class Problem:
         (d,) is wrapped by `uqfold.evaluation.per_sample`. None where runs are made elsewhere: then
         sessions of methods (`SequentialMethod.start`) ask for them.
     inputs
-        Joint distribution of all inputs (second form), or the ``inputs`` of another problem.
+        Joint distribution of all inputs (second form), or the ``inputs`` of another problem; then
+        `shared` and `individual` are what differs from these, as they do with
+        ``dataclasses.replace(problem, individual=...)``.
     shared
         First form: distribution of the shared inputs, or None. Second form: their names.
     individual
@@ -134,14 +137,17 @@ class Problem:
         model = run_elsewhere if model is None else model
         or_none("low_fidelity", low_fidelity, function, "give a function of X (n, d)")
         names = or_none("names", names, checked_names)
-        if inputs is not None:
-            if individual is not None:
-                raise refused("individual", individual, "give either inputs= or individual=")
-            joint = joint_inputs(inputs, _names_of_shared(shared), names)
-        else:
+        if inputs is None:
             joint = product_inputs(shared, individual, names)
+        elif isinstance(inputs, JointInputs) and not _are_names(shared, individual):
+            joint = with_other_inputs(inputs, shared, individual, names)
+        elif individual is not None:
+            raise refused("individual", individual, "give either inputs= or individual=")
+        else:
+            joint = joint_inputs(inputs, _names_of_shared(shared), names)
         unit_names = ("",) * joint.dimension
-        if input_units is not None:
+        # those of another problem with another number of inputs may say nothing
+        if input_units is not None and tuple(input_units) != ("",) * len(input_units):
             unit_names = several("input_units", input_units, text, empty=True)
         if len(unit_names) != joint.dimension:
             raise refused(
@@ -168,12 +174,7 @@ class Problem:
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
-        if inputs is not None and not isinstance(self.units, int):
-            own = [unit for unit in self.units if unit.individual is not None]
-            if own:
-                remedy = "with inputs=, all units have the same; give shared= and individual="
-                raise refused("units", own[0], remedy)
-        kinds = UnitKinds.of(self.units, model, joint, shared, low_fidelity)
+        kinds = UnitKinds.of(self.units, model, joint, low_fidelity)
         object.__setattr__(self, "kinds", kinds)
         if len(kinds.models) == 1:
             object.__setattr__(self, "model", kinds.model)
@@ -382,6 +383,12 @@ class _Negated:
             pairs = zip(returned, y, strict=True)
             return [entry if np.isnan(value).any() else -value for entry, value in pairs]
         return None if returned is None else -y
+
+
+def _are_names(shared: Any, individual: Any) -> bool:
+    """Whether `shared` says by names which inputs are, and nothing else is given."""
+    names = shared is None or isinstance(shared, str | Sequence)
+    return individual is None and names and all(isinstance(one, str) for one in shared or ())
 
 
 def _names_of_shared(shared: Any) -> Sequence[str]:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from uqfold.checks import function, instance, keep, or_none, real, refused, several, text, whole
-from uqfold.inputs import JointInputs, product_inputs
+from uqfold.inputs import JointInputs
+from uqfold.inputs.assembly import with_other_inputs
 from uqfold.inputs.sameness import same_distribution
 from uqfold.problems.responses import numbers_in
 from uqfold.typing import FloatArray, IntArray, Model
@@ -25,8 +26,8 @@ class Unit:
     model
         Its own response model, or None for the problem's.
     individual
-        Its own distribution of the individual inputs, or None for the problem's. It needs a
-        problem with shared= and individual=, not one with inputs=.
+        Its own distribution of the individual inputs, or None for the problem's. The shared inputs
+        of the problem must not depend on its individual ones then.
     offset
         Added to its response, in the response's unit.
     name
@@ -85,7 +86,6 @@ class UnitKinds:
         units: int | tuple[Unit, ...],
         model: Model,
         inputs: JointInputs,
-        shared: Any,
         low_fidelity: Model | None = None,
     ) -> UnitKinds:
         """Sort units into kinds.
@@ -96,8 +96,6 @@ class UnitKinds:
             The units, or their number.
         model, inputs
             Those of units without their own.
-        shared
-            Distribution of the shared inputs, for units with individual inputs of their own.
         low_fidelity
             Cheaper partner of `model`, or None.
         """
@@ -109,7 +107,7 @@ class UnitKinds:
         for unit in units:
             own = known.get(id(unit.individual))
             if own is None:
-                own = inputs if unit.individual is None else _inputs_of(unit, inputs, shared)
+                own = inputs if unit.individual is None else _inputs_of(unit, inputs)
                 own = next((one for one in known.values() if _alike(one, own, inputs)), own)
                 known[id(unit.individual)] = own
             partner = unit.low_fidelity
@@ -261,9 +259,9 @@ def _alike(one: JointInputs, other: JointInputs, of_problem: JointInputs) -> boo
     return same_distribution(one.distribution, other.distribution)
 
 
-def _inputs_of(unit: Unit, inputs: JointInputs, shared: Any) -> JointInputs:
+def _inputs_of(unit: Unit, inputs: JointInputs) -> JointInputs:
     """Return the inputs of a unit with individual ones of its own."""
-    joined = product_inputs(shared, unit.individual)
+    joined = with_other_inputs(inputs, individual=unit.individual)
     names = (*inputs.shared_names, *joined.individual_names)
     if len(set(names)) < len(names):
         remedy = f"its inputs are called {', '.join(joined.individual_names)}, as shared ones are"
