@@ -3,15 +3,17 @@
 import math
 import re
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from runner import Run, percent
+from runner import Run, finish, new_page, percent
 
 import uqfold
 from uqfold import criteria, plots
+from uqfold.analysis import independence
 from uqfold.report import Page
 
 FLOWN = uqfold.Binomial(10, 0.7)
@@ -118,11 +120,22 @@ def answer_pair(
         run.compare(f"{name}-check", problems, simulation, grid)
 
 
-def pair_figures(page: Page, run: Run, number: int, pairs: Iterable[tuple[int, int]]) -> None:
-    """Add Fig. 16 or 17: two conditions against each other, with the simulation as marks.
+def pairs_page(
+    run: Run, text: str, table: int, number: int, pairs: Iterable[tuple[int, int]]
+) -> Page:
+    """Show Table 8 or 9, the evaluations, and Fig. 16 or 17: conditions against each other.
 
-    Where there is a table of paired runs, the difference is theirs.
+    The simulation is drawn as marks. Where there is a table of paired runs, the difference is
+    theirs.
     """
+    page = new_page(run, text)
+    page.section("Tables")
+    page.table(changed_inputs(chain(*pairs)), f"Table {table}: the conditions")
+    page.table(
+        evaluations_table(run, "V_q-no-sync", "V_q-sync", "V_q-check"),
+        "Evaluations of each method",
+    )
+    page.section("Figures")
     letters = iter("abcdefghij")
     for pair in pairs:
         changed, moment, _ = CONDITIONS[pair[0]]
@@ -148,6 +161,20 @@ def pair_figures(page: Page, run: Run, number: int, pairs: Iterable[tuple[int, i
                 "" if paired is None else PAIRED,
                 name=f"fig-{number}{letter}",
             )  # fmt: skip
+    return finish(page, run, CHECKED)
+
+
+def keep_independence(run: Run, wing: uqfold.Problem, T: Sequence[float], draws: int) -> None:
+    """Keep what it costs to take 2, 4, 6 or 8 wings for independent, by FFNI and by sampling."""
+    found = independence(
+        wing,
+        units=run.choose([2, 4, 6, 8], [2, 8]),
+        criteria=criteria(T),
+        method=FFNI["ffni-spa"],
+        draws=run.choose(draws, 256),
+        evaluator=run.evaluator(wing),
+    )
+    run.keep("independence", found, problem="wing", label="ffni-spa")
 
 
 def independence_figure(run: Run) -> Figure:

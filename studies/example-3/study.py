@@ -21,10 +21,10 @@ from pathlib import Path
 
 import uqfold
 from uqfold import Binomial, criteria, plots
-from uqfold.analysis import independence
 
 sys.path.append(str(Path(__file__).parents[1]))
-from paper import FFNI, errors_table, evaluations_table, independence_figure, inputs_table, steps
+import paper
+from paper import FFNI, steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (0.02, 1e-5)
@@ -49,30 +49,23 @@ def tables(run: Run) -> None:
     flown = [Binomial(10, p) for p in (0.3, 0.5, 0.7, 0.9)]
     run.compare("flown", PROBLEMS, PEARSON, criteria(T, tau, flown))
 
-    found = independence(
-        WING,
-        units=[2, 4, 6, 8],
-        criteria=criteria(run.choose(every, [0.545, 0.56, 0.575])),
-        method=FFNI["ffni-spa"],
-        draws=run.choose(16_384, 256),
-        evaluator=run.evaluator(WING),
-    )
-    run.keep("independence", found, problem="wing", label="ffni-spa")
+    T = run.choose(every, [0.545, 0.56, 0.575])
+    paper.keep_independence(run, WING, T, 16_384)
 
 
 def page(run: Run) -> "uqfold.report.Page":
     """Show Tables 6 and 7, and Fig. 15."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(inputs_table(WING), "Table 6: random inputs")
+    page.table(paper.inputs_table(WING), "Table 6: random inputs")
     page.table(
-        evaluations_table(run, "no-sync", "sync"),
+        paper.evaluations_table(run, "no-sync", "sync"),
         "Table 7: evaluations of the model",
         "Sizes are model runs (deployments), and so we read those of the paper: 2,000,000 without "
         "and 1,200,000 with synchronization for its Monte Carlo, 1,125 for its methods.",
     )
     names = ("no-sync", "sync", "planned", "flown")
-    page.table(errors_table(run, *names), "Errors by decade of the failure probability")
+    page.table(paper.errors_table(run, *names), "Errors by decade of the failure probability")
 
     page.section("Figures")
     by_m, by_tau = {"curves": "missions", "panels": "tau"}, {"curves": "tau", "panels": "missions"}
@@ -93,7 +86,7 @@ def page(run: Run) -> "uqfold.report.Page":
         figure = plots.reliability_panels(rows, **options)
         page.figure(figure, f"Fig. 15({letter}): {title}", name=f"fig-15{letter}")
     title = "Fig. 15(h): correlated against independent, n wings"
-    page.figure(independence_figure(run), title, name="fig-15h")
+    page.figure(paper.independence_figure(run), title, name="fig-15h")
     return finish(page, run, FFNI)
 
 

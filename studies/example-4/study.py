@@ -29,7 +29,7 @@ from uqfold import criteria
 sys.path.append(str(Path(__file__).parents[1]))
 import paper
 from paper import FLOWN, steps
-from runner import Run, finish, main, new_page
+from runner import Run, main
 
 TOLERANCE = (1e-3, 1e-6)
 
@@ -107,16 +107,7 @@ def nudge(problem: uqfold.Problem, relative: float, seed: int) -> uqfold.Problem
 
 def page(run: Run) -> "uqfold.report.Page":
     """Show Table 8, the evaluations, and Fig. 16."""
-    page = new_page(run, __doc__)
-    page.section("Tables")
-    page.table(paper.changed_inputs(range(1, 11)), "Table 8: the conditions")
-    page.table(
-        paper.evaluations_table(run, "V_q-no-sync", "V_q-sync", "V_q-check"),
-        "Evaluations of each method",
-    )
-    page.section("Figures")
-    paper.pair_figures(page, run, 16, PAIRS)
-    return finish(page, run, paper.CHECKED)
+    return paper.pairs_page(run, __doc__, 8, 16, PAIRS)
 
 
 if __name__ == "__main__":

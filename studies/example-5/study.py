@@ -28,7 +28,7 @@ from uqfold.analysis import paired_differences
 sys.path.append(str(Path(__file__).parents[1]))
 import paper
 from paper import FLOWN, TAU, steps
-from runner import Run, finish, main, new_page
+from runner import Run, main
 
 TOLERANCE = (1e-3, 1e-6)
 
@@ -68,16 +68,7 @@ def keep_differences(run: Run, name: str, grid: uqfold.Criteria) -> None:
 
 def page(run: Run) -> "uqfold.report.Page":
     """Show Table 9, the evaluations, and Fig. 17."""
-    page = new_page(run, __doc__)
-    page.section("Tables")
-    page.table(paper.changed_inputs(range(11, 21)), "Table 9: the conditions")
-    page.table(
-        paper.evaluations_table(run, "V_q-no-sync", "V_q-sync", "V_q-check"),
-        "Evaluations of each method",
-    )
-    page.section("Figures")
-    paper.pair_figures(page, run, 17, PAIRS)
-    return finish(page, run, paper.CHECKED)
+    return paper.pairs_page(run, __doc__, 9, 17, PAIRS)
 
 
 if __name__ == "__main__":

@@ -31,11 +31,11 @@ import pandas as pd
 
 import uqfold
 from uqfold import criteria, plots
-from uqfold.analysis import independence
 
 sys.path.append(str(Path(__file__).parents[1]))
+import paper
 from paper import CHECKED as METHODS
-from paper import FFNI, evaluations_table, independence_figure, inputs_table, steps
+from paper import steps
 from runner import Run, finish, main, new_page
 
 TOLERANCE = (1e-3, 1e-6)
@@ -59,15 +59,7 @@ def tables(run: Run) -> None:
     else:
         T = [0.355, 0.36, 0.365, 0.37, 0.375, 0.38, 0.395]
         run.compare("check", problems, simulation, criteria(T, [None, *tau], [2, 5, 10]))
-    found = independence(
-        WING,
-        units=run.choose([2, 4, 6, 8], [2, 8]),
-        criteria=criteria(run.choose(every, [0.36, 0.37])),
-        method=FFNI["ffni-spa"],
-        draws=run.choose(4_096, 256),
-        evaluator=run.evaluator(WING),
-    )
-    run.keep("independence", found, problem="wing", label="ffni-spa")
+    paper.keep_independence(run, WING, run.choose(every, [0.36, 0.37]), 4_096)
     run.keep("lock-scan", lock_scan(run))
 
 
@@ -96,8 +88,10 @@ def page(run: Run) -> "uqfold.report.Page":
     """Show Table 10, the evaluations, and Fig. 18."""
     page = new_page(run, __doc__)
     page.section("Tables")
-    page.table(inputs_table(WING), "Table 10: random inputs")
-    page.table(evaluations_table(run, "no-sync", "sync", "check"), "Evaluations of each method")
+    page.table(paper.inputs_table(WING), "Table 10: random inputs")
+    page.table(
+        paper.evaluations_table(run, "no-sync", "sync", "check"), "Evaluations of each method"
+    )
     page.section("Figures")
     page.figure(
         plots.reliability_panels(
@@ -116,7 +110,7 @@ def page(run: Run) -> "uqfold.report.Page":
         name="fig-18b",
     )  # fmt: skip
     page.figure(
-        independence_figure(run),
+        paper.independence_figure(run),
         "Fig. 18(c): correlated against independent, n wings",
         name="fig-18c",
     )

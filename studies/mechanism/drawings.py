@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from jinja2 import Template
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 CRANK, ROD, SLIDER = "#0072B2", "#D55E00", "#009E73"
@@ -76,27 +75,6 @@ def forces(table: pd.DataFrame) -> Figure:
         row[0].set(ylabel="normal force (N)", ylim=(LEAST_FORCE, None))
     for axes in grid[1]:
         axes.set_xlabel("time (s)")
-    return figure
-
-
-def journals(table: pd.DataFrame) -> Figure:
-    """Draw the paths of the journals' centres in their bearings."""
-    figure = Figure(figsize=(5.6, 3.3), layout="constrained")
-    panels = figure.subplots(1, 2)
-    time = table["time"].to_numpy()
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    for axes, (joint, name, _) in zip(panels, JOINTS, strict=True):
-        points = 1e3 * table[[f"e_{joint}_x", f"e_{joint}_y"]].to_numpy()
-        pieces = np.stack([points[:-1], points[1:]], axis=1)
-        lines = LineCollection(pieces, array=time[:-1], cmap="viridis", linewidths=0.8)
-        axes.add_collection(lines)
-        size = 1e3 * clearance(table, joint)
-        axes.plot(size * np.cos(angle), size * np.sin(angle), color="black", linewidth=0.8)
-        axes.plot(0.0, 0.0, "+", color="black")
-        span = (-1.2 * size, 1.2 * size)
-        axes.set(aspect="equal", xlim=span, ylim=span, xlabel="$e_x$ (mm)", ylabel="$e_y$ (mm)")
-        axes.set_title(name)
-    figure.colorbar(lines, ax=panels, label="time (s)", orientation="horizontal", aspect=40)
     return figure
 
 

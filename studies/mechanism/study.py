@@ -68,9 +68,6 @@ def page(run: Run) -> "uqfold.report.Page":
         "Circles show where each journal is within its clearance."
     )
     page.figure(drawings.forces(table), "Normal forces in the joints", name="forces")
-    page.figure(
-        drawings.journals(table), "Paths of the journals in their bearings", name="journals"
-    )
     return finish(page, run, {})
 
 

@@ -14,7 +14,6 @@ parameter by a hundredth of the input's standard deviation changes pf by one per
 
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -92,16 +91,10 @@ def page(run: Run) -> "uqfold.report.Page":
     )
     for own, words in ((once, "one mission"), (~once, "five missions")):
         page.figure(
-            by_tau(found[at & own], plots.derivatives),
+            by_tau(found[at & own]),
             f"What pf answers to: T = 0.57 s, {words}",
             "`kriging`: on its surface; `mc`: on simulated systems. Bars are intervals of 95 %.",
             name=f"derivatives-{words.replace(' ', '-')}",
-        )
-    for moment in ("mean", "standard deviation"):
-        page.figure(
-            by_tau(run.rows("on-surface", missions="1", moment=moment), over_threshold),
-            f"From the body into the tail, one mission, on the surface, by the {moment}",
-            name=f"derivatives-over-threshold-{moment.replace(' ', '-')}",
         )
     return finish(page, run, {"kriging": KRIGING, "pce": CHAOS})
 
@@ -130,24 +123,16 @@ def with_error(value: float, error: float) -> str:
     return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
-def by_tau(rows: pd.DataFrame, draw: Callable[..., Any]) -> Figure:
-    """Draw one figure without synchronization and with it, side by side, with one legend."""
+def by_tau(rows: pd.DataFrame) -> Figure:
+    """Draw derivatives without synchronization and with it, side by side, with one legend."""
     figure = Figure(figsize=(5.7, 3.0), layout="constrained")
     parts = (("no tau", rows["tau"].isna()), ("tau = 0.04 s", rows["tau"].notna()))
     for axes, (title, own) in zip(figure.subplots(1, 2, sharey=True), parts, strict=True):
-        draw(rows[own], ax=axes)
+        plots.derivatives(rows[own], ax=axes)
         axes.set_title(title)
         axes.label_outer()
     plots.one_legend(figure)
     return figure
-
-
-def over_threshold(rows: pd.DataFrame, ax: Any) -> None:
-    """Draw relative changes of pf per standard deviation over T, with intervals of 95 %."""
-    value, half = rows["per_std"], 1.96 * rows["per_std_error"]
-    frame = pd.DataFrame({"series": rows["input"], "x": rows["threshold"], "y": value})
-    frame = frame.assign(low=value - half, high=value + half)
-    plots.points(frame, "threshold T (s)", "relative change of pf", limits={"-": 0.0}, ax=ax)
 
 
 if __name__ == "__main__":
