@@ -21,6 +21,7 @@ from uqfold.comparison import (
 )
 from uqfold.comparison.records import CSV_NAME, JSON_NAME
 from uqfold.methods import available
+from uqfold.methods.registry import built_in
 from uqfold.problems import catalogue
 from uqfold.problems.criterion import Binomial, criteria
 
@@ -328,6 +329,66 @@ def test_a_reference_is_a_number_or_the_records_of_a_long_run(
     assert "mc, 50,000 runs, seed 0" in capsys.readouterr().out
     assert run(*short, "--reference", "shrot") == 2
     assert "--reference shrot: give probabilities, or a folder" in capsys.readouterr().err
+
+
+def test_results_of_another_problem_are_not_overwritten(
+    own: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--method", "ffni-spa", "--threshold", "1", "--no-figures", "--quiet", "--out", "r"]
+    assert run("compare", f"{own}:problem", *words) == 0
+    assert run("compare", "series", *words) == 2
+    assert "--out r holds records of 'model': give another" in capsys.readouterr().err
+    assert run("compare", f"{own}:problem", *words) == 0
+
+
+def test_programs_get_json(own: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The lists of names, and of a comparison the record."""
+    for command, name in (("methods", "mc"), ("problems", "series")):
+        assert run(command, "--json") == 0
+        assert name in json.loads(capsys.readouterr().out)
+    words = ["--method", "ffni-spa", "--threshold", "1", "--no-figures", "--out", "r"]
+    assert run("compare", f"{own}:problem", *words, "--json") == 0
+    assert capsys.readouterr().out == (Path("r") / JSON_NAME).read_text(encoding="utf-8")
+
+
+def test_doctor_says_what_there_is_and_what_is_wrong(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run("doctor", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["versions"]["uqfold"] == uqfold.__version__
+    assert found["threads"]["cores"] >= 1
+    assert found["compiled"]["deployment of a wing"] == "0.5356 s"
+    assert found["wrong"] == []
+    monkeypatch.setattr("uqfold.evaluation.store.Store.__init__", unreadable)
+    assert run("doctor") == 1
+    out = capsys.readouterr().out
+    assert out.endswith("no store can be kept in this folder: no room\n")
+    assert re.search(r"^  numpy +\d", out, re.MULTILINE)
+
+
+def unreadable(*_: object) -> None:
+    raise OSError("no room")
+
+
+def test_a_table_holds_at_60_columns(
+    own: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    words = ["--method", "ffni-spa,mc", "--threshold", "1", "--max-evals", "1000", "--no-figures"]
+    assert run("compare", f"{own}:problem", *words, "--reference", "0.1587") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 60
+    assert any(line.split() == ["method", "pf", "interval", "error", "status"] for line in lines)
+
+
+def test_names_complete_and_help_lists_the_methods(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("compare", "--help") == 0
+    words = re.split(r"[\s,]+", capsys.readouterr().out)
+    assert set(built_in()) <= set(words)
+    typed = {"COMP_WORDS": "uqfold compare --method co", "COMP_CWORD": "3"}
+    done = in_a_process(_UQFOLD_COMPLETE="complete_bash", **typed)
+    assert done.stdout.split() == ["conditional-mc"]
 
 
 def test_problems_of_ones_own_are_kept_apart_by_file_and_function(own: str) -> None:

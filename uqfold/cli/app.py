@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import typer
 
 import uqfold
-from uqfold.cli.compare import COMPARE_HELP, compare_methods, problem_lines
-from uqfold.cli.invocation import Interrupts, Invocation
+from uqfold.cli.compare import COMPARE_HELP, compare_methods
+from uqfold.cli.doctor import DOCTOR_HELP, examine
+from uqfold.cli.invocation import AsJson, Interrupts, Invocation, say_json
 from uqfold.cli.report import REPORT_HELP, report_command
 from uqfold.cli.streams import exit_code_of, flush_streams, open_streams
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
+from uqfold.comparison.named_problems import available_problems
 
 _APP_HELP = """How reliable is this system, and which method tells us most cheaply?
 
@@ -25,6 +27,7 @@ Examples:
   uqfold report uqfold-results/folding-wing
   uqfold methods
   uqfold problems
+  uqfold doctor
 """
 
 _METHODS_HELP = """List the methods that can be compared.
@@ -49,7 +52,6 @@ app = typer.Typer(
     name="uqfold",
     help=_APP_HELP,
     no_args_is_help=True,
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     # plain messages: they stay whole, and can be searched and copied
     rich_markup_mode=None,
@@ -97,24 +99,30 @@ def _common(
 app.command(name="compare", help=COMPARE_HELP)(compare_methods)
 app.command(name="report", help=REPORT_HELP)(report_command)
 app.command(name="validate", help=VALIDATE_HELP)(validate_cases)
+app.command(name="doctor", help=DOCTOR_HELP)(examine)
 
 
 @app.command(name="methods", help=_METHODS_HELP)
-def list_methods() -> None:
+def list_methods(*, as_json: AsJson = False) -> None:
     """Print name and title of every method."""
     from uqfold.methods import available
 
-    methods = available()
-    width = max(map(len, methods))
-    for name, method in methods.items():
-        typer.echo(f"{name:<{width}}  {method.title}".rstrip())
+    _list({name: method.title for name, method in available().items()}, as_json)
 
 
 @app.command(name="problems", help=_PROBLEMS_HELP)
-def list_problems() -> None:
+def list_problems(*, as_json: AsJson = False) -> None:
     """Print name and description of every named problem."""
-    for line in problem_lines():
-        typer.echo(line)
+    _list({name: one.description for name, one in available_problems().items()}, as_json)
+
+
+def _list(titles: Mapping[str, str], as_json: bool) -> None:
+    if as_json:
+        say_json(titles)
+        return
+    width = max(map(len, titles))
+    for name, title in titles.items():
+        typer.echo(f"{name:<{width}}  {title}".rstrip())
 
 
 @app.command(name="study", hidden=True, context_settings={"ignore_unknown_options": True})

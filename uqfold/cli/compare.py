@@ -6,15 +6,17 @@ import contextlib
 import os
 import shlex
 import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from uqfold.cli.invocation import Invocation, flag, option, usage
+from uqfold.cli.invocation import AsJson, Invocation, flag, option, usage
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE, os_error_text, shown_path
 from uqfold.comparison.named_problems import available_problems, named_problem
+from uqfold.methods.registry import built_in
 from uqfold.problems.catalogue.folder import titles
 from uqfold.writing import check_writable
 
@@ -31,14 +33,10 @@ PIPED_WIDTH = 120
 COMPILING = "preparing the model (compiled on first use, 10 to 20 s) ..."
 
 
-def problem_lines() -> list[str]:
-    """Return name and description of every named problem."""
-    problems = available_problems()
-    width = max(map(len, problems))
-    return [f"{one.name:<{width}}  {one.description}" for one in problems.values()]
-
-
-_LISTED = "\n".join(f"  {line}" for line in problem_lines() if line.split()[0] not in titles())
+_NAMED = {name: one.description for name, one in available_problems().items()}
+_LISTED = "\n".join(f"  {name:<27}  {_NAMED[name]}" for name in _NAMED if name not in titles())
+_METHODS = textwrap.fill(", ".join(built_in()), 76, initial_indent="  ", subsequent_indent="  ",
+                         break_on_hyphens=False)  # fmt: skip
 COMPARE_HELP = f"""Compare reliability methods on one problem.
 
 Runs every method on the same grid of criteria, prints one table, and writes records (CSV, JSON)
@@ -51,8 +49,13 @@ Problems:
   and {len(titles())} limit states of the literature, which "uqfold problems" lists
 
 \b
+Methods, which "uqfold methods" describes:
+{_METHODS}
+
+\b
 Examples:
   uqfold compare folding-wing
+  uqfold compare my_model.py:problem --reference 1.2e-3
   uqfold compare series --method ffni-spa,mc --threshold 2,4
   uqfold compare folding-wing --threshold 0.55,0.56 --tau none,0.04
   uqfold compare folding-wing --missions 10:0.7 --seed 7 --out results
@@ -65,11 +68,21 @@ Words = list[str] | None
 def compare_methods(
     context: typer.Context,
     problem: Annotated[
-        str, typer.Argument(metavar="PROBLEM", help="A name from above, or FILE.py:FUNCTION.")
+        str,
+        typer.Argument(
+            metavar="PROBLEM",
+            help="A name from above, or FILE.py:FUNCTION.",
+            autocompletion=lambda: list(_NAMED),
+        ),
     ],
     *,
     method: Annotated[
-        Words, option("NAME", "Method to run; may be repeated. Default: all.")
+        Words,
+        typer.Option(
+            metavar="NAME",
+            help="Method to run; may be repeated. Default: all.",
+            autocompletion=built_in,
+        ),
     ] = None,
     threshold: Annotated[
         Words, option("T", "Response threshold; may be repeated, or T,T,...")
@@ -97,6 +110,7 @@ def compare_methods(
     quiet: Annotated[
         bool, flag("--quiet", "Print nothing but errors; the files are written.")
     ] = False,
+    as_json: AsJson = False,
     failed_runs: Annotated[
         Literal["bound", "count-as-failure", "raise"], option(None, "What a failed run means.")
     ] = "bound",
@@ -159,6 +173,7 @@ def compare_methods(
     folder = Path("uqfold-results", chosen.name) if out is None else out
     try:
         check_writable(folder)
+        _check_same_problem(folder, asked.name)
     except OSError as error:
         raise typer.BadParameter(f"--out {os_error_text(error)}") from error
 
@@ -173,11 +188,29 @@ def compare_methods(
 
     frame, code = _saved(watched(), folder, invocation, evaluator)
     if frame is not None:
-        _show(frame, folder, figures=not no_figures and code != EXIT_USAGE, quiet=quiet)
+        if as_json:
+            typer.echo((folder / "comparison.json").read_text(encoding="utf-8"), nl=False)
+        _show(
+            frame,
+            folder,
+            figures=not no_figures and code != EXIT_USAGE,
+            quiet=quiet or as_json,
+        )
     if code == 0 and (frame is None or frame["pf"].isna().all()):
         say("error: no method has an answer")
         code = EXIT_FAILED
     raise typer.Exit(code)
+
+
+def _check_same_problem(folder: Path, name: str) -> None:
+    """Refuse a folder that holds the records of another problem."""
+    from uqfold.comparison.records import RecordsError, read_records
+
+    with contextlib.suppress(RecordsError, OSError):
+        held = read_records(folder).attrs["uqfold-comparison"]["problem"]
+        if held != name:
+            where = shown_path(folder)
+            raise typer.BadParameter(f"--out {where} holds records of {held!r}: give another")
 
 
 def _saved(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import FrameType
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import typer
 
@@ -69,6 +70,14 @@ def option(metavar: str | None, text: str) -> Any:
 def flag(name: str, text: str) -> Any:
     """Return an option that is given or not."""
     return typer.Option(name, help=text)
+
+
+AsJson = Annotated[bool, flag("--json", "Print JSON, for programs.")]
+
+
+def say_json(value: object) -> None:
+    """Print a value as JSON."""
+    typer.echo(json.dumps(value, indent=1, ensure_ascii=False, default=str))
 
 
 def usage(check: Callable[..., Value], *arguments: object) -> Value:

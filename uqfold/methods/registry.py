@@ -6,10 +6,13 @@ import warnings
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from uqfold.checks import choice, raised, shown
 from uqfold.lazy import warn_caller
-from uqfold.methods.base import ReliabilityMethod
+
+if TYPE_CHECKING:
+    from uqfold.methods.base import ReliabilityMethod
 
 ENTRY_POINT_GROUP = "uqfold.methods"
 
@@ -35,6 +38,11 @@ _BUILT_IN: dict[str, str] = {
 
 FORMER = {"ak-mcs": "active-kriging"}
 """Former name -> name; a former one is understood, with a warning, for one release."""
+
+
+def built_in() -> list[str]:
+    """Return the names of the built-in methods, without loading any."""
+    return list(_BUILT_IN)
 
 
 def available() -> dict[str, type[ReliabilityMethod]]:
@@ -103,6 +111,8 @@ def _found() -> tuple[dict[str, type[ReliabilityMethod]], dict[str, str]]:
 
 def _loaded(entry: EntryPoint) -> type[ReliabilityMethod] | str:
     """Return the method of an entry point, or what is wrong with it."""
+    from uqfold.methods.base import ReliabilityMethod
+
     try:
         if entry.pattern.match(entry.value) is None:
             return f"{entry.value} is not module:class"
