@@ -68,7 +68,7 @@ class ImportanceSampling(RareEventMethod):
     A few short climbs of subset simulation find failures. A mixture of directions and distances
     (von Mises-Fisher-Nakagami) is fitted to them, and then, round by round, to weighted samples
     drawn from it (cross-entropy method). The answer comes from fresh samples of the last mixture
-    alone. A tenth of them goes elsewhere: in all directions, and by the law of the inputs.
+    alone. A share of them goes elsewhere: in all directions, and by the law of the inputs.
 
     Every criterion has runs of its own; what is left of `max_evals` is split into equal shares for
     the criteria that are left.
@@ -92,7 +92,8 @@ class ImportanceSampling(RareEventMethod):
     -----
     The interval is that of Fay and Feuer (1997) for weighted counts. A frequent failure is counted
     without weights. The row is ``doubtful`` where no failure is found, where one sample makes more
-    than a fiftieth of pf, or where the answer does not agree with that of the climbs. A system of
+    than a fiftieth of pf, where the answer does not agree with that of the climbs, or where a
+    region elsewhere with a tenth of pf might have been missed. A system of
     half a million random numbers or more is ``unsupported``.
     """
 
@@ -128,8 +129,13 @@ class ImportanceSampling(RareEventMethod):
         sums, short = yield from self._weighed(search)
         target = TARGET_COV if self.target_cov is None else self.target_cov
         if search.mixture is not None:
-            overlooked = search.overlooked(sums.largest)
-            estimate = sums.estimate(target, Repetitions(search.climbs), overlooked, short)
+            estimate = sums.estimate(
+                target,
+                Repetitions(search.climbs),
+                overlooked=search.overlooked(sums.largest),
+                unseen=search.unseen,
+                short=short,
+            )
         else:
             status: Status = "budget_exhausted" if short else "converged"
             said = [note] if note and not sums.hits else []

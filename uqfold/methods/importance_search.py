@@ -9,14 +9,16 @@ import numpy as np
 
 from uqfold.methods.polar_mixture import FitError, PolarMixture
 from uqfold.methods.rare_event import NestedCriteria, Running
-from uqfold.methods.subset_climb import Pilot, climbs
+from uqfold.methods.subset_climb import Pilot, Population, Rung, along, climbs
 from uqfold.methods.system_sample import BLOCK_VALUES
 from uqfold.typing import BoolArray, FloatArray
 
 CLIMBS, FEWEST_CLIMBS = 8, 2
 """Independent climbs that find failures to begin with: most and fewest."""
-PART_OF_CLIMBS, SMALLEST_CLIMB, LARGEST_CLIMB = 5, 100, 250
-"""They take one part in so many of the budget; least and most samples of one at each level."""
+PART_OF_CLIMBS, SMALLEST_CLIMB = 2, 100
+"""They take one part in so many of the budget; least samples of one at each level."""
+ENOUGH = 1_000
+"""Samples of all climbs at each level, for each of the levels: more are of little use."""
 ROUNDS, PART_OF_ROUND, SMALLEST_ROUND, LARGEST_ROUND = 6, 40, 200, 2_000
 """Rounds of fitting, each one part in so many of the budget; least and most samples of one."""
 FEWEST_HITS = 25
@@ -28,7 +30,16 @@ CLIPPED = 1.0
 FAR_OUT, SPREAD_OUT = 0.15, 6.0
 """Share of the samples whose distances are spread out, by so many times the variance: failures have
 a longer tail than a Nakagami law of their own variance, and what lies there would not be seen."""
-ELSEWHERE = 0.1
+RARE, OF_LOST = 30.0, 0.15
+"""Failures that are known and so many times rarer among the samples than the commonest tenth are
+lost; they get that share of the samples."""
+CHAINS, CHAIN = 20, 20
+"""At first they are led apart, by so many chains of so many states at most."""
+FEWEST_LOST = 10
+"""With fewer of them in a round, those of the climbs are kept to."""
+WANDERING = 4.5
+"""How far it wanders, measured: see `ImportanceSearch.unseen`."""
+ELSEWHERE = 0.15
 """Share of the samples that do not follow the failures found."""
 
 
@@ -42,12 +53,15 @@ class WeightedSamples:
         Standard-normal variables (n, d), one more if there is a single one.
     weights
         Density of the standard normal law (n,) over that which they were drawn from.
+    blind
+        Probabilities (n,) that they were drawn whatever their direction.
     low, high
         Which fail (n,), failed runs counted as safe, and as failures.
     """
 
     u: FloatArray
     weights: FloatArray
+    blind: FloatArray
     low: BoolArray
     high: BoolArray
 
@@ -74,6 +88,8 @@ class ImportanceSearch:
         Share of equally weighted samples in each round.
     witnesses
         Failures (n, d) that the climbs found, and their shares (n,) in all failures.
+    levels, seeds
+        Levels of the climbs, and the fewest samples that led from one of them to the next.
     """
 
     asked: NestedCriteria
@@ -84,6 +100,8 @@ class ImportanceSearch:
     climbs: FloatArray = field(default_factory=lambda: np.empty(0))
     rounds: list[float] = field(default_factory=list)
     witnesses: tuple[FloatArray, FloatArray] | None = None
+    levels: int = 0
+    seeds: int = 0
 
     @property
     def affordable(self) -> int:
@@ -99,14 +117,15 @@ class ImportanceSearch:
         """Draw samples from the density and run them."""
         dimension, before = self.asked.event.dimension, self.asked.session.n_evals
         if self.mixture is None:
-            u, weights = self.rng.standard_normal((size, dimension)), np.ones(size)
+            u = self.rng.standard_normal((size, dimension))
+            weights, blind = np.ones(size), np.ones(size)
         else:
             u = self.mixture.draw(size, self.rng)
-            weights = np.exp(-self.mixture.log_ratio(u))
+            weights, blind = np.exp(-self.mixture.log_ratio(u)), self.mixture.blind(u)
         heights = yield from self.asked.heights(u[:, :dimension])
         self.cost = max(1.0, (self.asked.session.n_evals - before) / size)
         low, high = (self.asked.fail(one)[0] for one in heights)
-        return WeightedSamples(u, weights, low, high)
+        return WeightedSamples(u, weights, blind, low, high)
 
     def find(self, pilot: Pilot) -> Running[str]:
         """Find failures by climbs over the levels of a pilot, and fit the density to them.
@@ -117,29 +136,65 @@ class ImportanceSearch:
         rungs = (*pilot.levels, limit)
         samples = self.affordable // (PART_OF_CLIMBS * (len(rungs) + 1))
         number = min(max(samples // SMALLEST_CLIMB, FEWEST_CLIMBS), CLIMBS)
-        size = min(max(samples // number, SMALLEST_CLIMB), LARGEST_CLIMB)
+        size = max(min(samples, ENOUGH * len(rungs)) // number, SMALLEST_CLIMB)
         size = min(size, max(1, self.most_at_once // number))
         if number * size * (len(rungs) + 1) > self.affordable:
             return "the runs that are left are too few to look for failures"
         made = yield from climbs(self.asked, rungs, number, size, self.rng, keep=True)
         self.climbs = made.high[:, 0]
+        self.levels = len(rungs)
+        self.seeds = min(
+            int(np.count_nonzero(population.high > rung.height))
+            for population, rung in zip(made.kept, rungs, strict=False)
+        )
         top = made.kept[-1]
-        u, rows = top.u, len(top.u)
-        if u.shape[1] == 1:
-            u = np.hstack([u, self.rng.standard_normal((rows, 1))])
+        rows = len(top.u)
+        u = top.u if top.u.shape[1] > 1 else self._with_a_second(top.u)
         arrived = np.bincount(top.climb, minlength=number) > 0
         # no climb is in both halves, unless hardly one has arrived
         second = np.cumsum(arrived)[top.climb] % 2 == 0
         if not 0.1 * rows < np.count_nonzero(second) < 0.9 * rows:
             second = self.rng.random(rows) < 0.5
-        if rows:
-            shares = self.climbs[top.climb] / np.bincount(top.climb)[top.climb]
-            self.witnesses = u, shares / shares.sum()
         try:
             self._fit(u, np.ones(rows), second)
         except FitError as error:
             return str(error)
+        shares = self.climbs[top.climb] / np.bincount(top.climb)[top.climb]
+        self.witnesses = u, shares / shares.sum()
+        yield from self._lead_apart(top, limit)
+        self._cover(np.empty((0, u.shape[1])), np.empty(0))
         return ""
+
+    def _with_a_second(self, u: FloatArray) -> FloatArray:
+        return np.hstack([u, self.rng.standard_normal((len(u), 1))])
+
+    def _lead_apart(self, top: Population, limit: Rung) -> Running[None]:
+        """Lead those known failures apart that are lost: they may descend from a single sample."""
+        if self.witnesses is None:
+            return
+        u, shares = self.witnesses
+        lost = self._lost(u)
+        if not lost.any():
+            return
+        places = self.rng.permutation(np.nonzero(lost)[0])[:CHAINS]
+        moved = yield from along(self.asked, top, places, limit, CHAIN * places.size, self.rng)
+        if not len(moved):
+            return
+        moved = moved if moved.shape[1] > 1 else self._with_a_second(moved)
+        part = float(shares[lost].sum())
+        self.witnesses = (
+            np.concatenate([u[~lost], moved]),
+            np.concatenate([shares[~lost], np.full(len(moved), part / len(moved))]),
+        )
+
+    @property
+    def unseen(self) -> float:
+        """Largest part of all failures that the climbs may have missed in a region of its own.
+
+        The part of such a region in the samples wanders from level to level, as chance and the
+        chains have it, until none is left.
+        """
+        return WANDERING * self.levels / max(self.seeds, 1)
 
     def overlooked(self, largest: float) -> float:
         """Return the share of failures known from the climbs where samples are too rare.
@@ -168,9 +223,33 @@ class ImportanceSearch:
             clipped = min(weights.size - 1, int(CLIPPED * math.sqrt(size)))
             weights = np.minimum(weights, np.sort(weights)[::-1][clipped])
             self._fit(found.u[found.high], weights, self.rng.random(weights.size) < 0.5)
+            self._cover(found.u[found.high], found.weights[found.high])
 
     def _fit(self, u: FloatArray, weights: FloatArray, second: BoolArray) -> None:
         fitted = PolarMixture.fitted(u, weights, second, self.rng)
         self.components = fitted.shares.size
         reaching = fitted.joined(replace(fitted, shape=fitted.shape / SPREAD_OUT), FAR_OUT)
         self.mixture = reaching.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)
+
+    def _lost(self, u: FloatArray) -> BoolArray:
+        """Whether known failures (n, d) are rare among the samples."""
+        if self.mixture is None or self.witnesses is None or not len(u):
+            return np.zeros(len(u), dtype=np.bool_)
+        usual = np.quantile(-self.mixture.log_ratio(self.witnesses[0]), 0.1)
+        return np.asarray(-self.mixture.log_ratio(u) > usual + math.log(RARE))
+
+    def _cover(self, u: FloatArray, weights: FloatArray) -> None:
+        """Give lost failures components of their own, from new ones u (n, d) if they are enough.
+
+        A region that few climbs have entered may have much of pf all the same.
+        """
+        if self.mixture is None or self.witnesses is None:
+            return
+        lost = self._lost(u)
+        u, weights = u[lost], weights[lost]
+        if len(u) < FEWEST_LOST:
+            u = self.witnesses[0][self._lost(self.witnesses[0])]
+            weights = np.ones(len(u))
+        if len(u):
+            about = PolarMixture.about(u, weights, self.rng)
+            self.mixture = self.mixture.joined(about, OF_LOST)

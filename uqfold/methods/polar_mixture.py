@@ -17,7 +17,7 @@ Simulation and Computation 23 (1994) 157-164.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,8 @@ from uqfold.system.directions import around, far_apart, log_normaliser
 from uqfold.typing import BoolArray, FloatArray
 
 MOST_COMPONENTS = 10
-EM_STEPS = 40
+EM_STEPS, SETTLED = 40, 1e-3
+"""Steps at most; they end where one gains no more mean log-likelihood than this."""
 FEWEST = 5
 """Points of one half at least."""
 BETTER, MUCH_WORSE = 0.01, 0.25
@@ -33,8 +34,13 @@ BETTER, MUCH_WORSE = 0.01, 0.25
 lowers it by so much, no more are tried."""
 WIDER = 0.5
 """In few dimensions components are so much wider than what they are fitted to."""
+MOST_ABOUT, WIDE, LONG = 4, 2.0, 4.0
+"""Wide components: most of them, their largest concentration for each dimension, and by how many
+times the variance of their distances is increased."""
 MOST_ALIGNED = 0.999
 """Mean length of unit vectors at most, so that a component is never a single ray."""
+UNIFORM = 0.8
+"""Share of uniform directions in what is drawn everywhere."""
 
 
 class FitError(RuntimeError):
@@ -79,6 +85,12 @@ class PolarMixture:
 
         return np.asarray(logsumexp(self._log_parts(u), axis=0))
 
+    def blind(self, u: FloatArray) -> FloatArray:
+        """Return the probabilities (n,) that points (n, d) came from uniform directions."""
+        logs = self._log_parts(u)
+        parts = np.exp(logs - logs.max(axis=0))
+        return np.asarray(parts[self.kappa == 0.0].sum(axis=0) / parts.sum(axis=0))
+
     def _log_parts(self, u: FloatArray) -> FloatArray:
         """Logarithms (K, n) of share times density over that of the standard normal law."""
         from scipy.special import gammaln, xlogy
@@ -109,18 +121,28 @@ class PolarMixture:
     def everywhere(cls, u: FloatArray, weights: FloatArray) -> PolarMixture:
         """Return uniform directions with the distances of points u (n, d), and the normal law.
 
-        They are half and half: the first sees what else fails at such distances, the second keeps
+        Most have the first: it sees what else fails at such distances, the second keeps
         weights bounded.
         """
         d = u.shape[1]
         shape, spread = _distances((u * u).sum(axis=1), weights / weights.sum(), d)
         return cls(
-            np.array([0.5, 0.5]),
+            np.array([UNIFORM, 1.0 - UNIFORM]),
             np.eye(2, d),
             np.zeros(2),
             np.array([shape, 0.5 * d]),
             np.array([spread, float(d)]),
         )
+
+    @classmethod
+    def about(cls, u: FloatArray, weights: FloatArray, rng: np.random.Generator) -> PolarMixture:
+        """Return wide components about weighted points u (n, d), however few they are."""
+        d = u.shape[1]
+        fitted = None
+        for number in range(min(MOST_ABOUT, 1 + len(u) // FEWEST), 0, -1):
+            fitted = fitted or _maximised(cls, u, weights, number, rng)
+        fitted = _known(fitted)
+        return replace(fitted, kappa=np.minimum(fitted.kappa, WIDE * d), shape=fitted.shape / LONG)
 
     @classmethod
     def fitted(
@@ -184,7 +206,7 @@ def _maximised(
     unit = u / np.maximum(np.sqrt(square), 1e-300)[:, None]
     centres = far_apart(unit, weights, number, rng)
     near = np.eye(number)[(unit @ centres.T).argmax(axis=1)].T
-    mixture = None
+    mixture, likely = None, -math.inf
     for _ in range(EM_STEPS if number > 1 else 1):
         mass = near * weights
         shares = mass.sum(axis=1)
@@ -203,8 +225,14 @@ def _maximised(
             np.array([spread for _, spread in distances]),
         )
         logs = mixture._log_parts(u)
-        near = np.exp(logs - logs.max(axis=0))
-        near /= near.sum(axis=0)
+        largest = logs.max(axis=0)
+        near = np.exp(logs - largest)
+        total = near.sum(axis=0)
+        near /= total
+        reached = float(weights @ (largest + np.log(total)))
+        if reached < likely + SETTLED:
+            break
+        likely = reached
     return mixture
 
 

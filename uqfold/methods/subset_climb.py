@@ -247,6 +247,39 @@ def climbs(
     )
 
 
+def along(
+    asked: NestedCriteria,
+    population: Population,
+    places: IntArray,
+    level: Rung,
+    size: int,
+    rng: np.random.Generator,
+) -> Running[FloatArray]:
+    """Return the states (about size, d) of chains above a level that begin at some samples.
+
+    Parameters
+    ----------
+    asked, rng
+        As in `piloted`.
+    population, places
+        Samples above the level, and the positions of those where chains begin.
+    level
+        The level.
+    size
+        States in all.
+    """
+    begun = Population(
+        population.u[places],
+        population.low[places],
+        population.high[places],
+        np.zeros(places.size, dtype=np.int64),
+        np.ones(1),
+    )
+    moves = _Moves(level.sigma)
+    moved = yield from _climbed(asked, begun, level.height, size, moves, rng)
+    return moved.u
+
+
 def rung_of(levels: tuple[Rung, ...], limit: float) -> int:
     """Return how many levels a failure above some limit exceeds whatever it is."""
     return sum(level.height <= limit for level in levels)

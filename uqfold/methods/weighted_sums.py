@@ -17,6 +17,9 @@ HEAVY = 0.02
 """One sample that makes more than this of pf says that there are others like it, not seen."""
 OVERLOOKED = 0.03
 """More than this share of known failures where samples are too rare is a doubt."""
+UNSEEN, MOST_UNSEEN = 3.0, 0.1
+"""A region is seen almost surely where so many samples in it are expected; the largest part of pf
+that may go unseen."""
 APART = 3.5
 """Standard errors by which another estimate may differ."""
 
@@ -32,11 +35,13 @@ class WeightedSums:
         How many of them fail, failed runs counted as failures, and as safe.
     largest
         Largest weight of one that fails.
+    blind
+        How many of those that fail were drawn whatever their direction, as expected.
     """
 
     def __init__(self) -> None:
         self.n = self.hits = self.sure = 0
-        self.largest = 0.0
+        self.largest = self.blind = 0.0
         self._totals, self._squares = np.zeros(2), np.zeros(2)
 
     def add(self, samples: WeightedSamples) -> None:
@@ -44,6 +49,7 @@ class WeightedSums:
         self.n += len(samples.u)
         self.hits += int(np.count_nonzero(samples.high))
         self.sure += int(np.count_nonzero(samples.low))
+        self.blind += float(samples.blind[samples.high].sum())
         for i, fails in enumerate((samples.high, samples.low)):
             weights = samples.weights[fails]
             self._totals[i] += weights.sum()
@@ -84,7 +90,13 @@ class WeightedSums:
         return low / self.n, min(1.0, high / self.n)
 
     def estimate(
-        self, target: float, other: Repetitions, overlooked: float, short: list[str]
+        self,
+        target: float,
+        other: Repetitions,
+        *,
+        overlooked: float,
+        unseen: float,
+        short: list[str],
     ) -> Estimate:
         """Return the answer.
 
@@ -96,6 +108,8 @@ class WeightedSums:
             Other estimates of pf, independent of these samples.
         overlooked
             Share of known failures where samples are too rare.
+        unseen
+            Largest share of failures that a region has which the search may have missed.
         short
             Why there are fewer samples than wanted; may be empty.
         """
@@ -107,6 +121,11 @@ class WeightedSums:
             )
         elif self.heaviest > HEAVY:
             doubts.append(f"one sample makes {100.0 * self.heaviest:.0f} % of pf")
+        unseen = min(unseen, UNSEEN / max(self.blind, 1e-300))
+        if unseen > MOST_UNSEEN:
+            doubts.append(
+                f"a region elsewhere with {100.0 * min(unseen, 1.0):.0f} % of pf might be missed"
+            )
         if self.hits and self.cov <= target:
             apart = math.log(self.pf / other.mean) / math.hypot(self.cov, other.cov)
             if abs(apart) > APART:
