@@ -773,6 +773,14 @@ def calls(folder: Path) -> dict[str, Call]:
             methods.ImportanceSampling,
             {"samples": optional(count(100)), "target_cov": optional(number())},
         ),
+        "methods.SORM": Call(
+            methods.SORM,
+            {
+                "formula": choice("breitung"),
+                "search": thing(methods.OpenTURNSFORM()),
+                "target_cov": number(),
+            },
+        ),
         "methods.LineSampling": Call(
             methods.LineSampling, {"lines": optional(count(2)), "target_cov": optional(number())}
         ),

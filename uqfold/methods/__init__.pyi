@@ -36,4 +36,5 @@ from uqfold.methods.result import (
     Estimate as Estimate,
     ReliabilityResult as ReliabilityResult,
 )
+from uqfold.methods.sorm import SORM as SORM
 from uqfold.methods.subset_simulation import SubsetSimulation as SubsetSimulation

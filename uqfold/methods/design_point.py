@@ -62,6 +62,8 @@ class DesignPoint:
         Runs spent on this threshold, those at the starting point that all share left out.
     kind
         Of which kind of units the response is, in the order in which they occur.
+    names
+        Names (d,) of the inputs.
     """
 
     threshold: float
@@ -76,11 +78,22 @@ class DesignPoint:
     linearisations: int
     n_evals: int
     kind: int = 0
+    names: tuple[str, ...] = ()
 
     @property
     def importance(self) -> FloatArray:
         """Importance factors alpha^2 (d,), which sum to one."""
         return self.alpha**2
+
+    @property
+    def importance_by_name(self) -> dict[str, float]:
+        """Importance factors by input, the largest first.
+
+        Where inputs depend on each other, that of an input is that of what it adds to those before
+        it.
+        """
+        pairs = zip(self.names, self.importance.tolist(), strict=True)
+        return dict(sorted(pairs, key=lambda pair: -pair[1]))
 
 
 @dataclass(frozen=True)
@@ -289,7 +302,9 @@ class Search:
         beyond = side * (response.values(points[near]) - self.threshold)
         self.several = bool((beyond > 0.0).any())
 
-    def design_point(self, x: FloatArray, n_shared: int, kind: int) -> DesignPoint:
+    def design_point(
+        self, x: FloatArray, n_shared: int, kind: int, names: tuple[str, ...]
+    ) -> DesignPoint:
         """Return the record of the best point, whose inputs are x (d,), shared ones first."""
         best, algorithm = self._closest
         return DesignPoint(
@@ -306,6 +321,7 @@ class Search:
             linearisations=len(self.trace),
             n_evals=self.n_evals,
             kind=kind,
+            names=names,
         )
 
 

@@ -8,6 +8,7 @@ relative ones of the smaller of the two probabilities of one unit, as natural lo
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from uqfold.methods.design_point import NOTICEABLE, Search, SecondLook
 from uqfold.methods.result import NORMAL_95, Estimate
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
+    Linearisation,
     NoGradientError,
     StandardSpaceResponse,
     shown,
@@ -109,6 +111,20 @@ class Surroundings:
         ahead, back = np.split(both[1:], 2)
         return (2.0 * both[0] - ahead - back) / length**2, 0.5 * (ahead - back)
 
+    def curvatures(self) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """Tangent directions (k, d), and curvatures (k, k) over one deviation and over `FAR_OUT`.
+
+        Of more than ten inputs only the main diagonal is known, and the last number is what the
+        others may change the probability by, as a logarithm.
+        """
+        room = SEARCH_RADIUS**2 - self.radius**2
+        far = min(FAR_OUT, math.sqrt(max(room, 0.0)))
+        near = far / FAR_OUT
+        tangents = np.linalg.qr(self.towards[:, None], mode="complete")[0][:, 1:].T
+        bend, bend_far = (self.folded(tangents, length)[0] for length in (near, far))
+        mixed, hidden = self._mixed(tangents, bend, near)
+        return tangents, np.diag(bend) + mixed, np.diag(bend_far) + mixed, self.rate**2 * hidden
+
     def second_look(self) -> SecondLook:
         """Look along the normal and in every tangent direction.
 
@@ -150,7 +166,7 @@ class Surroundings:
             curvature=max(sizes for _, sizes in orders) + unknown,
             place=self.rate * place + 0.5 * self.rate**2 * float(slant) + outside,
             sampled=self._sampled(),
-            elsewhere=self._elsewhere(),
+            elsewhere=self.elsewhere(),
         )
 
     def _misplaced(self) -> float:
@@ -181,16 +197,23 @@ class Surroundings:
             logs = log_ndtr(both - by_parabola - self.radius) - log_ndtr(-self.radius)
             return np.asarray(SEEN_THERE * np.abs(np.expm1(logs).sum(axis=0)))
 
-    def _sampled(self) -> float:
-        """Return by how much points drawn on the plane differ from it, with the error of that."""
-        from scipy.special import log_ndtr
-
+    def drawn(self) -> tuple[FloatArray, FloatArray]:
+        """Points (k, d) drawn on the plane, from its foot, and distances (k,) of T above them."""
         drawn = np.random.default_rng(0).normal(size=(DRAWN, self.towards.size))
         drawn -= np.outer(drawn @ self.towards, self.towards)
         longest = math.sqrt(SEARCH_RADIUS**2 - self.radius**2)
         drawn *= np.minimum(1.0, longest / (np.linalg.norm(drawn, axis=1, keepdims=True) + 1e-12))
-        distances = self.radius - self.margin(self.radius * self.towards + drawn)
-        shares = np.exp(log_ndtr(-distances) - log_ndtr(-self.radius))
+        return drawn, self.radius - self.margin(self.radius * self.towards + drawn)
+
+    def shares(self, distances: FloatArray) -> FloatArray:
+        """Probabilities (k,) beyond distances (k,), relative to that beyond the point's plane."""
+        from scipy.special import log_ndtr
+
+        return np.asarray(np.exp(log_ndtr(-distances) - log_ndtr(-self.radius)))
+
+    def _sampled(self) -> float:
+        """Return by how much points drawn on the plane differ from it, with the error of that."""
+        shares = self.shares(self.drawn()[1])
         return float(abs(shares.mean() - 1.0) + shares.std() / math.sqrt(DRAWN))
 
     def _mixed(
@@ -228,13 +251,20 @@ class Surroundings:
 
         return float(-ndtri(share * ndtr(-self.radius)))
 
-    def _elsewhere(self) -> float:
-        """Share of the probability beyond planes where rays that the point's misses meet T."""
+    def elsewhere(self, others: Sequence[Linearisation] = ()) -> float:
+        """Share of the probability beyond planes where rays that the point's misses meet T.
+
+        Rays that lead beyond the planes of others count as explained, too.
+        """
         from scipy.special import ndtr
 
         reach, rays = self._reach(FURTHEST_SHARE), self._rays()
         rays = rays[reach * (rays @ self.towards) < EXPLAINED * self.radius]
-        rays = rays[self.margin(reach * rays) > 0.0]
+        for one in others:
+            beta = one.beta(self.search.threshold)
+            rays = rays[reach * (rays @ one.alpha) * self.side < EXPLAINED * abs(beta)]
+        if len(rays):
+            rays = rays[self.margin(reach * rays) > 0.0]
         if not len(rays):
             return 0.0
         low, high = np.full(len(rays), self.radius), np.full(len(rays), reach)

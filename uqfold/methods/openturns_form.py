@@ -27,6 +27,7 @@ from uqfold.methods.design_point import (
     LOOSE_RESIDUAL,
     DesignPoint,
     Search,
+    Start,
     common_start,
     verdict,
 )
@@ -64,6 +65,26 @@ class FORMDetails:
     """Design points by kind of units and threshold, ascending; `n_evals_start`: runs before."""
 
     design_points: tuple[DesignPoint, ...]
+    n_evals_start: int
+
+
+@dataclass(frozen=True, eq=False)
+class Searches:
+    """Searches for design points.
+
+    Attributes
+    ----------
+    responses, starts
+        Of each kind of units, its response and where searches for it start.
+    found
+        The searches by kind of units and threshold.
+    n_evals_start
+        Runs before them.
+    """
+
+    responses: list[StandardSpaceResponse]
+    starts: list[Start]
+    found: dict[tuple[int, float], Search]
     n_evals_start: int
 
 
@@ -159,30 +180,18 @@ class OpenTURNSFORM(ReliabilityMethod):
     def _solve(self, task: Task) -> Solution:
         problem, session = task.problem, task.session
         units, kinds = SystemUnits.of(problem), problem.kinds
-        responses = [
-            StandardSpaceResponse(
-                inputs, session, self.step, session.remaining, partial(kinds.rows_of, kind)
-            )
-            for kind, inputs in enumerate(kinds.inputs)
-        ]
-        starts = [common_start(response) for response in responses]
-        n_start = session.n_evals
-        asked = [c.threshold for c in task.criteria if math.isfinite(c.threshold)]
-        places = [
-            (kind, threshold)
-            for kind, start in enumerate(starts)
-            for threshold in sorted(
-                set(units.thresholds(asked, kind).ravel().tolist()),
-                key=lambda t: (abs(t - start.y_origin), t),
-            )
-        ]
-        searches: dict[tuple[int, float], Search] = {}
-        for i, (kind, threshold) in enumerate(places):
-            response = responses[kind]
-            response.allowed = session.n_evals + session.remaining // (len(places) - i)
-            known = starts[kind].known
-            searches[kind, threshold] = self._searched(response, threshold, known)
-        points = task.summed_up(lambda _: _design_points(searches, kinds.inputs))
+        try:
+            done = searched(self, task)
+        except NoGradientError as error:
+            failed = Estimate.without_answer("failed", f"no design point: {error}")
+            return Solution([failed] * len(task.criteria))
+        responses, starts, searches, n_start = (
+            done.responses,
+            done.starts,
+            done.found,
+            done.n_evals_start,
+        )
+        points = task.summed_up(lambda _: design_points(searches, kinds.inputs))
 
         # at an infinite threshold
         alike = SystemUnits(units.count, units.diagram)
@@ -373,7 +382,50 @@ class OpenTURNSFORM(ReliabilityMethod):
             raise fatal[0]
 
 
-def _design_points(
+def searched(method: OpenTURNSFORM, task: Task) -> Searches:
+    """Look for the design points of all thresholds of a task, of each kind of units.
+
+    Parameters
+    ----------
+    method
+        How they are looked for.
+    task
+        Problem, criteria and session.
+
+    Raises
+    ------
+    NoGradientError
+        If the response is infinite at the origin, or does not change around it.
+    """
+    problem, session = task.problem, task.session
+    units, kinds = SystemUnits.of(problem), problem.kinds
+    responses = [
+        StandardSpaceResponse(
+            inputs, session, method.step, session.remaining, partial(kinds.rows_of, kind)
+        )
+        for kind, inputs in enumerate(kinds.inputs)
+    ]
+    starts = [common_start(response) for response in responses]
+    n_start = session.n_evals
+    asked = [c.threshold for c in task.criteria if math.isfinite(c.threshold)]
+    places = [
+        (kind, threshold)
+        for kind, start in enumerate(starts)
+        for threshold in sorted(
+            set(units.thresholds(asked, kind).ravel().tolist()),
+            key=lambda t: (abs(t - start.y_origin), t),
+        )
+    ]
+    found: dict[tuple[int, float], Search] = {}
+    for i, (kind, threshold) in enumerate(places):
+        response = responses[kind]
+        response.allowed = session.n_evals + session.remaining // (len(places) - i)
+        known = starts[kind].known
+        found[kind, threshold] = method._searched(response, threshold, known)
+    return Searches(responses, starts, found, n_start)
+
+
+def design_points(
     searches: Mapping[tuple[int, float], Search], inputs: Sequence[JointInputs]
 ) -> dict[tuple[int, float], DesignPoint]:
     """Return the design points by kind of units and threshold, ascending."""
@@ -386,7 +438,7 @@ def _design_points(
         best = np.array([searches[kind, threshold].best.u for threshold in thresholds])
         for threshold, row in zip(thresholds, own.from_standard_normal(best), strict=True):
             search = searches[kind, threshold]
-            found[kind, threshold] = search.design_point(row, own.n_shared, kind)
+            found[kind, threshold] = search.design_point(row, own.n_shared, kind, own.names)
     return found
 
 

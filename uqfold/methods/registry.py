@@ -31,6 +31,7 @@ _BUILT_IN: dict[str, str] = {
     "line-sampling": "uqfold.methods.line_sampling:LineSampling",
     "directional-sampling": "uqfold.methods.directional_sampling:DirectionalSampling",
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
+    "sorm": "uqfold.methods.sorm:SORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
     "auto": "uqfold.methods.automatic:Automatic",
 }

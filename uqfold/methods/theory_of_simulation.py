@@ -255,3 +255,45 @@ FORM = Theory(
         _OPENTURNS,
     ),
 )
+
+SORM = Theory(
+    summary=(
+        "Second-order reliability method for one unit. Design points are those of FORM. At each of "
+        "them a paraboloid with the main curvatures of the limit state takes the place of the "
+        "tangent plane; the probability behind it is an integral, which well-known formulas "
+        "approximate. Several design points are joined by the multinormal probability behind any "
+        "of their planes. The stated error adds up what formulas, longer distances, drawn points "
+        "and other rays show of what is left out."
+    ),
+    equations=(
+        Equation(
+            "With the main curvatures κ at the distance β the probability behind the paraboloid "
+            "is, for any c > 0 left of all -1/κ,",
+            r"p = \frac{1}{2 \pi \mathrm{i}} \int_{c - \mathrm{i} \infty}^{c + \mathrm{i} \infty} "
+            r"\mathrm{e}^{s^2 / 2 - s \beta} \prod_i (1 + s \kappa_i)^{-1/2} "
+            r"\frac{\mathrm{d} s}{s}",
+        ),
+        Equation(
+            "Breitung's formula, for ψ = β, and that of Hohenbichler and Rackwitz, for "
+            "ψ = φ(β) / Φ(-β), approximate it by",
+            r"p \approx \Phi(-\beta) \prod_i (1 + \psi \kappa_i)^{-1/2}",
+        ),
+        Equation(
+            "P design points with planes as far out as their paraboloids are unlikely, and "
+            "directions α, give",
+            r"p_f \approx \Pr\left[ \bigcup_{j=1}^{P} \left\{ \alpha_j^{\mathsf{T}} U > "
+            r"-\Phi^{-1}(p_j) \right\} \right]",
+        ),
+    ),
+    references=(
+        "Tvedt L. Distribution of quadratic forms in normal space: application to structural "
+        "reliability. Journal of Engineering Mechanics 116 (1990) 1183-1197.",
+        "Breitung K. Asymptotic approximations for multinormal integrals. Journal of Engineering "
+        "Mechanics 110 (1984) 357-366.",
+        "Hohenbichler M., Rackwitz R. Improvement of second-order reliability estimates by "
+        "importance sampling. Journal of Engineering Mechanics 114 (1988) 2195-2199.",
+        "Ditlevsen O. Narrow reliability bounds for structural systems. Journal of Structural "
+        "Mechanics 7 (1979) 453-472.",
+        _OPENTURNS,
+    ),
+)

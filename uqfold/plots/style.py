@@ -2,7 +2,7 @@
 
 Colours are those of Okabe and Ito without black, which is the reference, and with the pale ones
 darkened until their contrast with white paper is 3 (WCAG 2.2); every method also has a marker of
-its own.
+its own, as far as there are markers that may be filled or hollow: there are fifteen.
 
 References
 ----------
@@ -43,6 +43,7 @@ _FIXED = {
     "line-sampling": MethodStyle("#A0522D", "h"),
     "directional-sampling": MethodStyle("#1F8A70", "d"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
+    "sorm": MethodStyle("#B4436C", "v"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
 """Their colours and markers."""
