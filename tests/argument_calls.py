@@ -1075,10 +1075,11 @@ def calls(folder: Path) -> dict[str, Call]:
             testing.check_method,
             {
                 "method": thing(cheap),
+                "level": choice("quick"),
                 "only": thing([]).also("empty list").except_for("none"),
                 "except_for": thing([]).also("empty list"),
                 "tolerance": Kind(0.03, np.float64(0.03)),
-                "max_evals": count(),
+                "max_evals": optional(count()),
             },
         ),
     }

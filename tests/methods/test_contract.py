@@ -13,10 +13,9 @@ from uqfold.methods import (
 )
 from uqfold.testing import CHECKS, check_method
 from uqfold.testing.conduct import same_in_a_fresh_process
+from uqfold.testing.verdict import Level, Settings
 
 METHODS = available()
-# thirty surfaces each
-SLOW = {(name, "stated_errors_are_honest") for name in ("auto", "kriging", "pce", "active-kriging")}
 LIGHT: dict[str, ReliabilityMethod] = {
     "auto": Automatic(check_runs=0),
     "kriging": Kriging(runs=40, kernel="gaussian", trend="linear"),
@@ -40,29 +39,35 @@ BY_DEFAULTS = {
 BY_CHOICES = {"rows_are_well_formed"}
 """Checks of how the defaults choose, whatever the runs are."""
 TOGETHER = "same_answer_in_a_fresh_process"
-CASES = [
-    pytest.param(name, check, marks=[pytest.mark.slow] if (name, check) in SLOW else [])
-    for name in METHODS
-    for check in CHECKS
-    if check != TOGETHER
-]
 
 
-@pytest.mark.parametrize(("name", "check"), CASES)
-def test_registered_method_keeps_the_contract(name: str, check: str) -> None:
+@pytest.mark.parametrize("name", METHODS)
+def test_registered_method_keeps_the_contract(name: str) -> None:
+    checks = [check for check in CHECKS if check != TOGETHER]
+    method = LIGHT.get(name, METHODS[name]())
+    assert check_method(method, "quick", only=checks) == checks
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("check", [check for check in CHECKS if check != TOGETHER])
+@pytest.mark.parametrize("name", METHODS)
+def test_registered_method_keeps_the_whole_contract(name: str, check: str) -> None:
     method = METHODS[name]()
+    assert method.name == name
     if check in BY_CHOICES:
         method = FEWER_RUNS.get(name, method)
     elif check not in BY_DEFAULTS or name == "multifidelity-mc":
         method = LIGHT.get(name, method)
-    assert method.name == name
     assert check_method(method, only=[check]) == [check]
 
 
-def test_registered_methods_give_the_same_answers_in_a_fresh_process() -> None:
+@pytest.mark.parametrize("level", ["quick", pytest.param("full", marks=pytest.mark.slow)])
+def test_registered_methods_give_the_same_answers_in_a_fresh_process(level: Level) -> None:
     """One process for all of them."""
-    methods = [FEWER_RUNS.get(name, method()) for name, method in METHODS.items()]
-    same_in_a_fresh_process(methods)
+    settings = Settings(level, tolerance=0.03, max_evals=6_000)
+    chosen = LIGHT if level == "quick" else FEWER_RUNS
+    methods = [chosen.get(name, method()) for name, method in METHODS.items()]
+    same_in_a_fresh_process(methods, settings)
 
 
 def test_unknown_check_is_refused() -> None:

@@ -34,12 +34,16 @@ from uqfold.typing import FloatArray
 HONEST = MonteCarlo(systems=3000)
 
 
+def answered(task: Task, model: Callable[[FloatArray], FloatArray]) -> Task:
+    """Let another model answer before anybody counts or checks its responses."""
+    task.session.pipeline.runner = InProcess().open(model, None)
+    return task
+
+
 def meddled(task: Task, change: Callable[[FloatArray], FloatArray]) -> Task:
     """Change the responses of the model before anybody counts or checks them."""
     model = task.problem.model
-    spoilt = InProcess().open(lambda x: change(np.asarray(model(x))), None)
-    task.session.pipeline.runner = spoilt
-    return task
+    return answered(task, lambda x: change(np.asarray(model(x))))
 
 
 class _FromMonteCarlo(ReliabilityMethod):
@@ -159,6 +163,8 @@ class SurfaceOfOneSeed(PolynomialChaos):
     """A surface, exact on a linear system, that ignores the seed."""
 
     name: ClassVar[str] = "planted"
+    runs: int = 40
+    max_degree: int = 3
 
     def _steps(self, task: Task) -> Steps:
         return super()._steps(replace(task, seed=0))
@@ -169,6 +175,8 @@ class SurfaceOfHiddenSeed(PolynomialChaos):
     """A surface, exact on a linear system, that depends on a seed without saying so."""
 
     name: ClassVar[str] = "planted"
+    runs: int = 40
+    max_degree: int = 3
 
     @property
     def stochastic(self) -> bool:
@@ -204,6 +212,8 @@ class ExactOnALinearSystem(PolynomialChaos):
     """No fault: a surface whose answers are shown without their last, accidental digits."""
 
     name: ClassVar[str] = "planted"
+    runs: int = 40
+    max_degree: int = 3
 
     def _steps(self, task: Task) -> Steps:
         honest = yield from super()._steps(task)
@@ -260,6 +270,49 @@ class ReusesTheLastAnswer(_FromMonteCarlo):
         if not _LAST or len(_LAST[0]) != len(given[1]):
             _LAST[:] = [super().estimate(*given, **options)]
         return _LAST[0]
+
+
+@dataclass(frozen=True)
+class IntervalTenTimesTooNarrow(_FromMonteCarlo):
+    """States the right standard error, and a tenth of its interval."""
+
+    def _spoil(self, estimate: Estimate) -> Estimate:
+        return replace(
+            estimate,
+            ci_low=estimate.pf - 0.1 * (estimate.pf - estimate.ci_low),
+            ci_high=estimate.pf + 0.1 * (estimate.ci_high - estimate.pf),
+        )
+
+
+@dataclass(frozen=True)
+class TakesInputsForStandard(_FromMonteCarlo):
+    """Draws every input with mean 0 and deviation 1, whatever its law is."""
+
+    def _task(self, task: Task) -> Task:
+        inputs = task.problem.inputs
+
+        def standard(x: FloatArray) -> FloatArray:
+            return np.asarray(task.problem.model(inputs.to_standard_normal(x)))
+
+        return answered(task, standard)
+
+
+@dataclass(frozen=True)
+class TurnsTauRound(_FromMonteCarlo):
+    """Lets a wide tau fail more often than a narrow one."""
+
+    def _task(self, task: Task) -> Task:
+        taus = [None if c.tau is None else 3.0 / c.tau for c in task.criteria]
+        criteria = [replace(c, tau=tau) for c, tau in zip(task.criteria, taus, strict=True)]
+        return replace(task, criteria=tuple(criteria))
+
+
+@dataclass(frozen=True)
+class FirstAnswerForAll(_FromMonteCarlo):
+    """Answers every criterion of a grid as the first of it."""
+
+    def _task(self, task: Task) -> Task:
+        return replace(task, criteria=task.criteria[:1] * len(task.criteria))
 
 
 @dataclass(frozen=True)
@@ -407,18 +460,25 @@ class OverConfidentSurface(Kriging):
 
     trend: Trend = "quadratic"
     kernel: KernelChoice = "gaussian"
+    share: float = 1.0 / 3.0
 
     def _steps(self, task: Task) -> Steps:
         honest = yield from super()._steps(task)
-        return Solution([_surer(e) for e in honest.estimates], honest.details)
+        return Solution([self._surer(e) for e in honest.estimates], honest.details)
+
+    def _surer(self, estimate: Estimate) -> Estimate:
+        return replace(
+            estimate, std_error=self.share * estimate.std_error,
+            ci_low=estimate.pf - self.share * (estimate.pf - estimate.ci_low),
+            ci_high=estimate.pf + self.share * (estimate.ci_high - estimate.pf),
+        )  # fmt: skip
 
 
-def _surer(estimate: Estimate) -> Estimate:
-    low, high = estimate.pf - estimate.ci_low, estimate.ci_high - estimate.pf
-    return replace(
-        estimate, std_error=estimate.std_error / 3.0,
-        ci_low=estimate.pf - low / 3.0, ci_high=estimate.pf + high / 3.0,
-    )  # fmt: skip
+@dataclass(frozen=True)
+class SureSurface(OverConfidentSurface):
+    """States a tenth of it, with a tenth of the interval."""
+
+    share: float = 0.1
 
 
 PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
@@ -456,8 +516,16 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (Biased, "plain_limit_state"),
     (Biased, "scale_and_shift"),
     (Biased, "order_of_inputs_does_not_matter"),
+    (TakesInputsForStandard, "units_of_inputs_do_not_matter"),
+    (TurnsTauRound, "answers_are_monotone"),
+    (ForgetsMissions, "answers_are_monotone"),
+    (FirstAnswerForAll, "grid_agrees_with_single_criteria"),
+    (IntervalTenTimesTooNarrow, "stated_errors_are_honest"),
     (OverConfident, "stated_errors_are_honest"),
     (UnderConfident, "stated_errors_are_honest"),
     (OverConfidentSurface, "stated_errors_are_honest"),
+    (SureSurface, "stated_errors_are_honest"),
 ]
 """Planted method, and a check that must reject it; every check stands here at least once."""
+FINE = {OverConfidentSurface}
+"""Faults that the four seeds of level `quick` do not see, and the thirty of level `full` do."""

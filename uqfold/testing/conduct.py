@@ -20,11 +20,11 @@ from uqfold.methods.result import (
     reliability_index,
 )
 from uqfold.problems.base import Problem
-from uqfold.problems.criterion import Binomial, Criteria, criteria
+from uqfold.problems.criterion import Binomial, Criteria, Criterion, criteria
 from uqfold.testing.counting import RowCount
 from uqfold.testing.curved import CurvedSystem
 from uqfold.testing.linear_normal import LinearNormalSystem
-from uqfold.testing.verdict import Settings, demand
+from uqfold.testing.verdict import Settings, demand, shown
 from uqfold.typing import FloatArray
 
 SMALL_BUDGET = 4_000
@@ -50,9 +50,11 @@ class CountingModel:
         return y
 
 
-def grid() -> Criteria:
-    """A small grid with everything in it."""
-    return criteria(threshold=[11.0, 12.5], tau=[None, 2.0], missions=[1, Binomial(3, 0.6)])
+def grid(settings: Settings) -> Criteria:
+    """A small grid with everything in it, or one criterion without and one with tau."""
+    few = Criteria([Criterion(12.5), Criterion(11.0, tau=2.0, missions=Binomial(3, 0.6))])
+    every = criteria(threshold=[11.0, 12.5], tau=[None, 2.0], missions=[1, Binomial(3, 0.6)])
+    return settings.choose(quick=few, full=every)
 
 
 def same_numbers(
@@ -100,14 +102,14 @@ def check_is_a_frozen_record_of_settings(method: ReliabilityMethod, _: Settings)
     demand(bool(method.name), "the method has no name")
 
 
-def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
+def check_rows_are_well_formed(method: ReliabilityMethod, settings: Settings) -> None:
     """One row per criterion, in order, with numbers that belong together."""
-    asked = grid()
+    asked = grid(settings)
     result = method.estimate(LinearNormalSystem().problem(), asked, max_evals=SMALL_BUDGET, rng=1)
     demand(result.criteria == tuple(asked), "the criteria came back changed or out of order")
     demand(bool(any(math.isfinite(row.pf) for row in result)), "not a single criterion is answered")
     for criterion, row in zip(asked, result, strict=True):
-        where = f"{method.name}, {criterion}: "
+        where = shown(method, criterion, row) + ": "
         demand(row.status in STATUSES, where + f"status {row.status!r} is not one of {STATUSES}")
         demand(row.method == method.name, where + f"row names the method {row.method!r}")
         if row.status in NO_ANSWER:
@@ -137,10 +139,10 @@ def check_rows_are_well_formed(method: ReliabilityMethod, _: Settings) -> None:
             demand(math.isnan(row.std_error), where + 'error_kind "none" with a standard error')
 
 
-def check_evaluations_are_counted_per_sample(method: ReliabilityMethod, _: Settings) -> None:
+def check_evaluations_are_counted_per_sample(method: ReliabilityMethod, settings: Settings) -> None:
     """`n_evals` equals the rows that the model has seen, see `RowCount`."""
     problem, model = counted(LinearNormalSystem())
-    result = method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=2)
+    result = method.estimate(problem, grid(settings), max_evals=SMALL_BUDGET, rng=2)
     demand(model.rows > 0, "the model was never run")
     demand(
         result.n_evals == model.rows,
@@ -148,31 +150,30 @@ def check_evaluations_are_counted_per_sample(method: ReliabilityMethod, _: Setti
     )
 
 
-def check_budget_is_kept(method: ReliabilityMethod, _: Settings) -> None:
+def check_budget_is_kept(method: ReliabilityMethod, settings: Settings) -> None:
     """No run beyond `max_evals`, however small it is, and a status that says so."""
-    for budget in (1, 7, 40, 200, 1_500):
+    for budget in settings.choose(quick=(1, 40), full=(1, 7, 40, 200, 1_500)):
         problem, model = counted(LinearNormalSystem())
-        result = method.estimate(problem, grid(), max_evals=budget, rng=3)
+        result = method.estimate(problem, grid(settings), max_evals=budget, rng=3)
         demand(
             model.rows <= budget,
             f"{method.name} ran the model {model.rows} times with max_evals = {budget}",
         )
-        for row in result:
-            demand(row.status in STATUSES, f"status {row.status!r} at max_evals = {budget}")
-    # a budget too small for anything must not look like an answer without runs
-    problem, model = counted(LinearNormalSystem())
-    for row in method.estimate(problem, criteria(12.5), max_evals=1, rng=3):
-        demand(row.status != "converged", f"{method.name} claims to converge with one run")
+        for criterion, row in zip(result.criteria, result, strict=True):
+            where = shown(method, criterion, row)
+            demand(row.status in STATUSES, f"{where} at max_evals = {budget}")
+            # a budget too small for anything must not look like an answer without runs
+            demand(budget > 1 or row.status != "converged", f"{where} with one run")
 
 
-def check_same_seed_same_answer(method: ReliabilityMethod, _: Settings) -> None:
+def check_same_seed_same_answer(method: ReliabilityMethod, settings: Settings) -> None:
     """The same seed gives the same numbers, also after other problems, and in any order."""
     system, other = LinearNormalSystem(), LinearNormalSystem(units=5, mean=9.0, shared_std=0.8)
     fresh = type(method)(**{f.name: getattr(method, f.name) for f in fields(method)})
-    first = fresh.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
-    method.estimate(other.problem(), grid(), max_evals=SMALL_BUDGET, rng=99)
+    first = fresh.estimate(system.problem(), grid(settings), max_evals=SMALL_BUDGET, rng=4)
+    method.estimate(other.problem(), grid(settings), max_evals=SMALL_BUDGET, rng=99)
     np.random.default_rng().standard_normal(3)
-    again = method.estimate(system.problem(), grid(), max_evals=SMALL_BUDGET, rng=4)
+    again = method.estimate(system.problem(), grid(settings), max_evals=SMALL_BUDGET, rng=4)
     demand(
         same_numbers(first, again),
         f"{method.name} gives another answer with the same seed, or keeps state from one run to "
@@ -180,7 +181,7 @@ def check_same_seed_same_answer(method: ReliabilityMethod, _: Settings) -> None:
     )
 
 
-def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> None:
+def check_other_seed_other_answer(method: ReliabilityMethod, settings: Settings) -> None:
     """A stochastic method uses its seed; a deterministic one does not depend on it.
 
     Judged on the curved system: on the linear one a method may be exact whatever its seed is, and
@@ -188,8 +189,9 @@ def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> Non
     """
     # of one unit: an integral over shared inputs takes most of the time, and knows no seed
     problem = CurvedSystem(units=1).problem()
+    thresholds = settings.choose(quick=[11.0], full=[11.0, 12.5])
     first, second = (
-        method.estimate(problem, criteria([11.0, 12.5]), max_evals=SMALL_BUDGET, rng=seed)
+        method.estimate(problem, criteria(thresholds), max_evals=SMALL_BUDGET, rng=seed)
         for seed in (5, 6)
     )
     pairs = [
@@ -210,19 +212,20 @@ def check_other_seed_other_answer(method: ReliabilityMethod, _: Settings) -> Non
         demand(same, f"{method.name} depends on the seed but does not call itself stochastic")
 
 
-def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, _: Settings) -> None:
+def check_same_answer_in_a_fresh_process(method: ReliabilityMethod, settings: Settings) -> None:
     """A new interpreter on the same processor, with other string hashing, gives the same bits."""
-    same_in_a_fresh_process([method])
+    same_in_a_fresh_process([method], settings)
 
 
-def same_in_a_fresh_process(methods: Sequence[ReliabilityMethod]) -> None:
+def same_in_a_fresh_process(methods: Sequence[ReliabilityMethod], settings: Settings) -> None:
     """Let several methods answer in one new interpreter: a start takes longer than most answers."""
     kinds = [(type(one), {f.name: getattr(one, f.name) for f in fields(one)}) for one in methods]
     code = (
         "import pickle\n"
         "from uqfold.testing.conduct import exact_answer\n"
-        f"for kind, settings in pickle.loads({pickle.dumps(kinds)!r}):\n"
-        "    print(exact_answer(kind(**settings)))\n"
+        f"kinds, settings = pickle.loads({pickle.dumps((kinds, settings))!r})\n"
+        "for kind, own in kinds:\n"
+        "    print(exact_answer(kind(**own), settings))\n"
     )
     done = subprocess.run(
         [sys.executable, "-R", "-c", code], capture_output=True, text=True, check=False
@@ -230,24 +233,24 @@ def same_in_a_fresh_process(methods: Sequence[ReliabilityMethod]) -> None:
     names = ", ".join(one.name for one in methods)
     demand(done.returncode == 0, f"{names}: failure in a fresh process: {done.stderr[-500:]}")
     for one, there in zip(methods, done.stdout.splitlines(), strict=True):
-        here = exact_answer(one)
+        here = exact_answer(one, settings)
         demand(there == here, f"{one.name} gives {there} in a fresh process, {here} here")
 
 
-def exact_answer(method: ReliabilityMethod) -> str:
+def exact_answer(method: ReliabilityMethod, settings: Settings) -> str:
     """Return every bit of the failure probabilities with one seed, as text."""
     problem = LinearNormalSystem().problem()
-    answer = method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=7)
+    answer = method.estimate(problem, grid(settings), max_evals=SMALL_BUDGET, rng=7)
     return str([float(value).hex() for value in answer.pf])
 
 
-def check_problem_is_left_alone(method: ReliabilityMethod, _: Settings) -> None:
+def check_problem_is_left_alone(method: ReliabilityMethod, settings: Settings) -> None:
     """The problem's inputs are the same after a run, and so is NumPy's global generator."""
     problem = LinearNormalSystem().problem()
     probe = np.linspace(-2.0, 2.0, 9).reshape(3, 3)
     before = problem.inputs.from_standard_normal(probe)
     state = _global_state()
-    method.estimate(problem, grid(), max_evals=SMALL_BUDGET, rng=8)
+    method.estimate(problem, grid(settings), max_evals=SMALL_BUDGET, rng=8)
     after = problem.inputs.from_standard_normal(probe)
     demand(bool(np.array_equal(before, after)), f"{method.name} changed the problem's inputs")
     demand(state == _global_state(), f"{method.name} moved NumPy's global random generator")
