@@ -57,6 +57,7 @@ def test_the_systems_are_those_of_monte_carlo(found: PfDerivatives) -> None:
     assert found.n_evals == result.n_evals
 
 
+@pytest.mark.thorough
 def test_stated_errors_are_those_of_repetition() -> None:
     grid = criteria(12.0, tau=3.0)
     runs = [score_derivatives(SYSTEM.problem(), grid, 1_000, rng=seed).rows for seed in range(60)]

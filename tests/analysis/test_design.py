@@ -71,7 +71,12 @@ def test_a_wrong_target_is_not_covered() -> None:
 
 
 @pytest.mark.parametrize(
-    "method", [KRIGING, FFNIPearson(nodes_shared=9, check=False)], ids=lambda m: m.name
+    "method",
+    [
+        pytest.param(KRIGING, marks=pytest.mark.thorough),
+        FFNIPearson(nodes_shared=9, check=False),
+    ],
+    ids=lambda m: m.name,
 )
 def test_smallest_mean_of_an_input(method: Kriging | FFNIPearson) -> None:
     """W lowers the response: with V, U and the criterion given, its mean is known."""

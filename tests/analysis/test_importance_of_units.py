@@ -111,6 +111,7 @@ def test_the_table_says_what_the_method_says(table: pd.DataFrame) -> None:
     assert (table.pf > 1.5 * table.pf_independent).all()
 
 
+@pytest.mark.thorough
 def test_measures_and_pairs_state_their_errors(table: pd.DataFrame) -> None:
     """They had none of their own: with few runs they must hold the exact ones, and be larger."""
 

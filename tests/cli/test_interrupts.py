@@ -44,8 +44,8 @@ def interrupted_after(path: Path, program: "subprocess.Popen[str]") -> tuple[int
 @pytest.mark.parametrize(
     "second",
     [
-        pytest.param(["endless"], id="in Python"),
-        pytest.param(["swallowing"], id="swallowed by the method"),
+        pytest.param(["endless"], id="in Python", marks=pytest.mark.thorough),
+        pytest.param(["swallowing"], id="swallowed by the method", marks=pytest.mark.thorough),
         # OpenTURNS has a handler of its own in place while it waits for Python
         pytest.param(["openturns-mc", "--max-evals", "200000000"], id="in OpenTURNS"),
     ],

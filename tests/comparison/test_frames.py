@@ -88,7 +88,12 @@ def test_a_large_frame_is_read_in_seconds() -> None:
     assert seconds[1] < 40.0 * max(seconds[0], 0.02)
 
 
-@pytest.mark.parametrize("name", ["error", "pf", "std_error", "ci_high", "reference_pf"])
+NUMBERS = ["pf", "std_error", "ci_high", "reference_pf"]
+
+
+@pytest.mark.parametrize(
+    "name", ["error", *(pytest.param(one, marks=pytest.mark.thorough) for one in NUMBERS)]
+)
 def test_a_report_stands_any_number(frame: pd.DataFrame, name: str) -> None:
     """``error = inf`` in a frame; in all its rows, or one of many in one frame."""
     numbers = [math.inf, -math.inf, 1e308, 5e-324, -1.0]

@@ -48,7 +48,11 @@ def killed(folder: Path, rng: np.random.Generator, most: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    "kills", [pytest.param(3, id="few"), pytest.param(20, id="many", marks=pytest.mark.slow)]
+    "kills",
+    [
+        pytest.param(3, id="few", marks=pytest.mark.thorough),
+        pytest.param(20, id="many", marks=pytest.mark.slow),
+    ],
 )
 def test_a_run_survives_being_killed_at_random_moments(kills: int, tmp_path: Path) -> None:
     expected = estimate(None, str(tmp_path / "alone"), BATCH_ROWS, 0.0)

@@ -146,6 +146,7 @@ def test_steps_that_need_a_closer_look(damping, gap, rate, gap_end, rate_end, ex
     assert may_switch(gap, rate, gap_end, rate_end, 5e-4, damping) == expected
 
 
+@pytest.mark.thorough
 def test_the_loop_is_compiled_to_packed_instructions():
     features = llvm.get_host_cpu_features()
     if not features.get("avx"):

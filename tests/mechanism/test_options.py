@@ -124,6 +124,7 @@ def test_every_part_acts():
     assert len({*times, deployment_times(WING)[0]}) == len(changes) - 2 + 1
 
 
+@pytest.mark.thorough
 def test_separate_values_agree_with_an_independent_integration():
     shifts = SPLIT.C_r_B * (1 + 1e-6 * np.arange(-2, 3))
     times = deployment_times(SPLIT, C_r_B=shifts, tolerance=1e-12)

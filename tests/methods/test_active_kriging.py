@@ -96,7 +96,7 @@ def test_converged_means_checked_by_runs_outside_the_training_set() -> None:
         assert details.history_beta.shape == details.history_std.shape
 
 
-@pytest.mark.parametrize("learning", ["u", "eff"])
+@pytest.mark.parametrize("learning", ["u", pytest.param("eff", marks=pytest.mark.thorough)])
 def test_classical_learning_functions_find_the_answer_too(learning: LearningFunction) -> None:
     result = ActiveKriging(learning=learning).estimate(FOUR_BRANCH, rng=3)
     truth = exact(FOUR_BRANCH, result.criteria[0])
@@ -114,7 +114,9 @@ def test_rare_event_with_four_regions() -> None:
         assert abs(row.pf - exact(FOUR_BRANCH, criterion)) <= 4.0 * row.std_error
 
 
-@pytest.mark.parametrize("build", [series, lambda: four_bar("crossed")])
+@pytest.mark.parametrize(
+    "build", [series, pytest.param(lambda: four_bar("crossed"), marks=pytest.mark.thorough)]
+)
 def test_systems_with_shared_inputs_and_tau(build: object) -> None:
     """One run answers thresholds from 0.5 to 1e-6, with and without synchronization."""
     problem = build()  # type: ignore[operator]
@@ -181,7 +183,8 @@ def test_rows_of_a_step_can_run_in_parallel() -> None:
 
 
 def test_ask_and_tell_with_an_interruption_gives_the_answer_of_estimate(tmp_path: Path) -> None:
-    method, asked = ActiveKriging(runs=40), criteria([11.0, 12.0], tau=[None, 2.0])
+    method = ActiveKriging(runs=24, kernel="gaussian")
+    asked = criteria([11.0, 12.0], tau=[None, 2.0])
     system = LinearNormalSystem()
     expected = method.estimate(system.problem(), asked, rng=4, max_evals=60)
     session = method.start(system.problem(), asked, rng=4, max_evals=60)
@@ -358,7 +361,7 @@ def test_steep_and_flat_parts_of_a_limit_are_seen_with_their_weights() -> None:
         assert found == pytest.approx(steep / (steep + flat), rel=0.4)
 
 
-@pytest.mark.parametrize("beyond", [6.0, math.inf])
+@pytest.mark.parametrize("beyond", [pytest.param(6.0, marks=pytest.mark.thorough), math.inf])
 def test_a_step_that_no_other_run_comes_to_is_found_and_doubted(beyond: float) -> None:
     """8 % of pf lie beyond a step of an input that does nothing else."""
 
@@ -438,6 +441,7 @@ def test_runs_on_the_wrong_side_of_the_threshold_are_counted() -> None:
     assert _on_the_wrong_side(math.inf, cast(Any, coarse)) == 0
 
 
+@pytest.mark.thorough
 def test_a_feature_sharper_than_the_surface_can_follow_is_doubted() -> None:
     """3 - b + 30 a^6: pf is 4.46e-4, of which learning may see next to nothing."""
     problem = Problem.from_limit_state(

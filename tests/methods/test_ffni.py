@@ -207,11 +207,11 @@ def test_dependent_inputs_use_the_conditional_distribution() -> None:
         return x[:, 0] + x[:, 1]
 
     problem = Problem(total, inputs=joint, shared=["v"], units=3)
-    method = FFNIPearson(nodes_shared=60, family="normal")
+    method = FFNIPearson(nodes_shared=40, family="normal")
     # v and u = 0.6 v + 0.8 w: the same as a shared part of 1.6 and an individual one of 0.8
     same = LinearNormalSystem(units=3, mean=0.0, shared_std=1.6, individual_std=0.8)
-    for criterion in criteria([1.0, 4.0], tau=[None, 1.5]):
-        row = method.estimate(problem, criterion)[0]
+    asked = criteria([1.0, 4.0], tau=[None, 1.5])
+    for criterion, row in zip(asked, method.estimate(problem, asked), strict=True):
         assert row.pf == pytest.approx(same.pf(criterion), rel=1e-4)
 
 

@@ -21,6 +21,7 @@ def limit_state(x: FloatArray) -> FloatArray:
 PROBLEM = Problem.from_limit_state(limit_state, {f"x{i}": normal(0.0, 1.0) for i in range(D)})
 
 
+@pytest.mark.thorough
 def test_forty_mildly_curved_inputs_are_right_by_default() -> None:
     """100 runs gave a plane, and pf off by hundreds of per cent."""
     row = PolynomialChaos().estimate(PROBLEM, rng=1)[0]

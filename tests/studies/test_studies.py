@@ -168,6 +168,7 @@ def test_a_check_says_what_differs(
     assert said in "".join(found)
 
 
+@pytest.mark.thorough
 def test_a_study_runs_redraws_and_checks_itself(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

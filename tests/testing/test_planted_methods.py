@@ -10,6 +10,7 @@ from tests.testing.planted import (
     Biased,
     ExactOnALinearSystem,
     Honest,
+    OverConfidentSurface,
 )
 from uqfold.methods import ReliabilityMethod
 from uqfold.methods.result import STATUSES
@@ -24,13 +25,21 @@ OF_NO_CRITERION = {
     "same_answer_in_a_fresh_process",
     "problem_is_left_alone",
 }
-LEVELS = ["quick", pytest.param("full", marks=pytest.mark.slow)]
+
+
+def _marks(planted: type[ReliabilityMethod]) -> pytest.MarkDecorator:
+    # thirty surfaces
+    dear = issubclass(planted, OverConfidentSurface)
+    return pytest.mark.slow if dear else pytest.mark.thorough
+
+
+LEVELS = ["quick", pytest.param("full", marks=pytest.mark.thorough)]
 
 
 @pytest.mark.parametrize(
     ("planted", "check", "level"),
     [(*pair, "quick") for pair in PLANTED if pair[0] not in FINE]
-    + [pytest.param(*pair, "full", marks=pytest.mark.slow) for pair in PLANTED],
+    + [pytest.param(*pair, "full", marks=_marks(pair[0])) for pair in PLANTED],
 )
 def test_planted_fault_is_found_at_each_level(
     planted: type[ReliabilityMethod], check: str, level: Level
