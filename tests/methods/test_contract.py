@@ -31,7 +31,7 @@ LIGHT: dict[str, ReliabilityMethod] = {
 """Settings that take a third of the time: one surface where the defaults choose among several."""
 QUICK = LIGHT | {
     "kriging": Kriging(runs=40),
-    "active-kriging": ActiveKriging(runs=24, kernel="gaussian"),
+    "active-kriging": ActiveKriging(runs=18, kernel="gaussian"),
 }
 FEWER_RUNS: dict[str, ReliabilityMethod] = {
     "kriging": Kriging(runs=40),
