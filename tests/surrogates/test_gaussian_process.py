@@ -175,3 +175,17 @@ def test_one_length_scale_is_learned_for_fifty_inputs() -> None:
     assert np.ptp(gp.hyperparameters.length_scales) == 0.0
     few = fit_gaussian_process(u[:, :4], wavy(u), trend=0)
     assert np.ptp(few.hyperparameters.length_scales) > 0.0
+
+
+def test_surfaces_without_some_runs_are_those_of_the_others() -> None:
+    u, new = design(24), design(5, seed=1)
+    process = fit_gaussian_process(u, wavy(u), trend=1)
+    groups = [np.arange(first, 24, 8) for first in range(3)]
+    found = process.without(groups)(new)
+    for values, left_out in zip(found, groups, strict=True):
+        others = np.delete(np.arange(24), left_out)
+        again = GaussianProcess(
+            u[others], wavy(u)[others], process.kernel, process.trend, process.hyperparameters
+        )
+        assert_allclose(values, again.mean(new), rtol=1e-5, atol=1e-5)
+    assert np.abs(found - process.mean(new)).max() > 1e-4

@@ -129,3 +129,16 @@ def test_bad_data_are_refused() -> None:
         fit_polynomial_chaos(np.zeros((3, 2)), np.zeros(2))
     with pytest.raises(ValueError, match="finite"):
         fit_polynomial_chaos(np.zeros((3, 2)), np.array([0.0, np.inf, 1.0]))
+
+
+def test_expansions_without_some_runs_are_those_of_the_others() -> None:
+    u, new = design(40, 3), design(5, 3, seed=1)
+    y = np.exp(0.4 * u.sum(axis=1))
+    expansion = fit_polynomial_chaos(u, y)
+    groups = [np.arange(first, 40, 10) for first in range(3)]
+    found = expansion.without(groups)(new)
+    for values, left_out in zip(found, groups, strict=True):
+        others = np.delete(np.arange(40), left_out)
+        again = fit_basis(u[others], y[others], expansion.indices)
+        assert_allclose(values, again(new), rtol=1e-6)
+    assert np.abs(found - expansion.mean(new)).max() > 1e-4

@@ -13,10 +13,12 @@ from uqfold.surrogates.common_powers import with_common_powers
 from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.surface_rule import Surface
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, IntArray
 
 DRAWS = 20
 """Surfaces drawn from a posterior to tell its spread."""
+PARTS = 10
+"""Parts of the runs that are left out in turn to tell what the answers hang on."""
 
 
 class ResponseSurface(Protocol):
@@ -32,6 +34,10 @@ class ResponseSurface(Protocol):
 
     def leave_one_out(self) -> LeaveOneOut:
         """Return the residuals of cross-validation."""
+        ...
+
+    def without(self, groups: Sequence[IntArray]) -> Surface:
+        """Return the surfaces, one for each group of runs, that the others alone would give."""
         ...
 
 
@@ -105,6 +111,11 @@ class FittedKind:
     def validated(self) -> LeaveOneOut:
         """Residuals of cross-validation."""
         return self.surface.leave_one_out()
+
+    def parts_left_out(self) -> Surface:
+        """Return the surfaces (PARTS, m) of all runs but a tenth of them, one for each tenth."""
+        count = self.known.size
+        return self.surface.without([np.arange(first, count, PARTS) for first in range(PARTS)])
 
     def held_out(self, u: FloatArray, y: FloatArray, rng: np.random.Generator) -> HeldOut:
         """Compare further runs with what draws from the posterior, rivals and noise allow.

@@ -11,14 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
 from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
-from uqfold.methods.fitted_kind import DRAWS, FittedKind, HeldOut
+from uqfold.methods.few_taus import by_few_taus
+from uqfold.methods.fitted_kind import DRAWS, PARTS, FittedKind, HeldOut
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.surface_errors import lean, overconfidence, step
 from uqfold.moments.normal import NormalDistribution
@@ -243,7 +244,7 @@ def _answers_of(
 
     @lru_cache
     def integrated(criteria: tuple[Criterion, ...]) -> tuple[list[SystemProbability], FloatArray]:
-        changes = system.changes_given(drawn, criteria)
+        changes = by_few_taus(criteria, partial(system.changes_given, drawn))
         return system.failures_given(responses, criteria), changes
 
     def spread_of(
@@ -270,6 +271,11 @@ def _answers_of(
                 distance = np.array([[rival.share] for rival in one.rivals]) * own
                 spread = np.hypot(spread, np.sqrt(np.mean(distance**2, axis=0)))
                 row += len(one.rivals)
+        # the jackknife: what hangs on few runs is not known, whatever the surface says
+        for _ in fitted:
+            own = changes[row : row + PARTS]
+            spread = np.maximum(spread, np.sqrt((PARTS - 1) * np.mean(own**2, axis=0)))
+            row += PARTS
         return np.asarray(spread)
 
     def given(held: Sequence[HeldOut]) -> tuple[list[Estimate], ErrorParts]:
@@ -302,7 +308,9 @@ def _answers_of(
                 beyond = reliability_indices(system.failures_given(responses, side))
                 # the border lies somewhere in the step: two standard deviations reach its end
                 spread = np.maximum(spread, 0.5 * np.abs(beyond - reliability_indices(found)))
-            rest = system.integration_errors(responses, criteria)
+            [rest] = by_few_taus(
+                criteria, lambda some: system.integration_errors(responses, some)[None]
+            )
             name = "sampling" if responses.parts else "integration"
             density = _density(reliability_indices(found))
             errors.training[list(rows)] = density * spread
@@ -322,6 +330,8 @@ def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surf
     """
 
     def others(kind: int, paths: Surface) -> Surface:
+        parts = fitted[kind].parts_left_out()
+
         def surfaces(u: FloatArray) -> FloatArray:
             own = fitted[kind].surface.mean(u) if len(fitted) > 1 else None
             rows = [
@@ -329,6 +339,8 @@ def _others(fitted: Sequence[FittedKind], rng: np.random.Generator) -> list[Surf
                 for of_kind, one in enumerate(fitted)
                 for rival in one.rivals
             ]
+            for of_kind in range(len(fitted)):
+                rows += [*parts(u)] if of_kind == kind else [own] * PARTS
             return np.vstack([paths(u), *(row for row in rows if row is not None)])
 
         return surfaces

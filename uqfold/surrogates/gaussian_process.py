@@ -13,7 +13,7 @@ Wilson J. T. et al. Efficiently sampling functions from Gaussian process posteri
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -175,17 +175,44 @@ class GaussianProcess:
         weights, trend = self._weights_of(
             (self.y - self._centre)[:, None] - prior(self._points).T - noise
         )
-        return SamplePaths(self, prior, weights, trend)
+        return SamplePaths(self, weights, trend, prior)
+
+    def without(self, groups: Sequence[IntArray]) -> SamplePaths:
+        """Return the surfaces that some runs less would have given, hyperparameters kept.
+
+        Parameters
+        ----------
+        groups
+            For each surface the runs (k,) that it leaves out.
+        """
+        responses, matrix = self.y - self._centre, self._projection.matrix
+        # runs that a fit to all others foretells exactly teach nothing
+        foretold = np.tile(responses[:, None], len(groups))
+        missed = matrix @ responses
+        for column, some in enumerate(groups):
+            own = np.linalg.lstsq(matrix[np.ix_(some, some)], missed[some], rcond=None)[0]
+            foretold[some, column] -= own
+        return SamplePaths(self, *self._weights_of(foretold))
 
 
 @dataclass(frozen=True, eq=False)
 class SamplePaths:
-    """Surfaces drawn from the posterior of a Gaussian process; call it at u (m, d) for (R, m)."""
+    """R surfaces with the correlations of one process; call it at u (m, d) for (R, m).
+
+    Attributes
+    ----------
+    process
+        The process.
+    weights, trend
+        Weights (n, R) of its training points, and trend coefficients (p, R).
+    prior
+        A draw from the process before its runs, to which these are added.
+    """
 
     process: GaussianProcess
-    prior: RandomField
     weights: FloatArray
     trend: FloatArray
+    prior: RandomField | None = None
 
     def __call__(self, u: FloatArray) -> FloatArray:
         """Values (R, m) of the R paths at u (m, d)."""
@@ -197,7 +224,8 @@ class SamplePaths:
             values = gp._correlation(some) @ self.weights
             values += hermite_basis(some, gp.trend) @ self.trend
             out[:, rows] = values.T
-        return self.prior(u) + out + gp._centre
+        drawn = 0.0 if self.prior is None else self.prior(u)
+        return drawn + out + gp._centre
 
 
 def checked_noise(name: str, value: object) -> float:

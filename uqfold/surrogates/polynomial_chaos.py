@@ -150,6 +150,31 @@ class PolynomialChaosExpansion:
         std = self.residual_std / np.sqrt(1.0 - fit.leverage)
         return LeaveOneOut(fit.residuals / (1.0 - fit.leverage), std)
 
+    def without(self, groups: Sequence[IntArray]) -> Callable[[FloatArray], FloatArray]:
+        """Return the surfaces that some runs less would have given, polynomials kept.
+
+        Parameters
+        ----------
+        groups
+            For each surface the runs (k,) that it leaves out.
+
+        Returns
+        -------
+        Callable
+            Takes u (m, d), gives (len(groups), m).
+        """
+        fit = self.regression
+        points = self.design / self.spread if self.own is None else self.design
+        solver = self.basis(points, fit.indices) @ fit.root_covariance
+        coefficients = np.tile(self.coefficients[:, None], len(groups))
+        for column, some in enumerate(groups):
+            # what a fit to all others misses these by
+            others = np.eye(some.size) - solver[some] @ solver[some].T
+            missed = np.linalg.lstsq(others, fit.residuals[some], rcond=None)[0]
+            change = fit.root_covariance @ (solver[some].T @ missed)
+            coefficients[:, column] -= self.transfer @ change
+        return lambda u: evaluate(u, self.indices, coefficients, self.basis).T
+
     def sample_paths(self, rng: np.random.Generator, count: int) -> ExpansionPaths:
         """Draw whole surfaces that the residuals allow.
 

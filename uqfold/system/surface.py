@@ -59,7 +59,7 @@ class Responses:
     parts
         From parts of lines drawn at random, in order to tell their error; empty for quadrature.
     thinned
-        From every second station of such lines, in order to tell the error along them.
+        From every second station of all lines, in order to tell the error along them.
     """
 
     whole: OfKinds
@@ -143,20 +143,16 @@ class SurfaceSystem:
             kinds = None if of_kind is None else of_kind(points)
             values = surface(points)
             whole.append(rule.responses(values, kinds, std))
-            if rule.lines.sampled:
-                pieces = [*rule.parts(_GROUPS), rule.thinned()]
-                divided.append(
-                    [
-                        part.responses(values[some], None if kinds is None else kinds[some], std)
-                        for part, some in pieces
-                    ]
-                )
-            else:
-                divided.append([whole[-1]] * (_GROUPS + 1))
-        if not any(rule.lines.sampled for rule in self.rules):
-            return Responses(whole, [], [])
-        *parts, thinned = zip(*divided, strict=True)
-        return Responses(whole, list(parts), thinned)
+            pieces = [rule.thinned(), *(rule.parts(_GROUPS) if rule.lines.sampled else [])]
+            found = [
+                part.responses(values[some], None if kinds is None else kinds[some], std)
+                for part, some in pieces
+            ]
+            # those of a quadrature are not divided
+            divided.append([*found, *[whole[-1]] * (_GROUPS + 1 - len(found))])
+        thinned, *parts = zip(*divided, strict=True)
+        drawn = any(rule.lines.sampled for rule in self.rules)
+        return Responses(whole, parts if drawn else [], thinned)
 
     def indices(self, surfaces: Surfaces, criteria: Sequence[Criterion]) -> FloatArray:
         """Reliability indices (C,), of which no error is asked."""
@@ -176,16 +172,17 @@ class SurfaceSystem:
         """Error (C,) of the reliability indices that the integration alone leaves.
 
         Of quadrature: the tolerance of its refinement, or what this has still changed if that is
-        more; what else is asked makes no difference to a rule that meets the tolerance. Of lines
+        more, or what twice as many stations along all its lines change if that is more still;
+        refinement looks at few lines. Of lines
         drawn at random: the standard error, from the scatter of the answers of eight parts, what
         twice as many stations along them change, and what lines and rays contradict each other by.
         """
         beyond = self._errors_beyond(responses, criteria)
+        along = self.errors_along_lines(responses, criteria)
         if not responses.parts:
             left = max(rule.error for rule in self.rules)
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
-            return np.hypot(error, beyond)
-        along = self.errors_along_lines(responses, criteria)
+            return np.hypot(np.maximum(error, along), beyond)
         indices = np.array(
             [
                 reliability_indices(self._answer(self.weights, part, criteria))
