@@ -152,7 +152,7 @@ class SurfaceSystem:
             divided.append([*found, *[whole[-1]] * (_GROUPS + 1 - len(found))])
         thinned, *parts = zip(*divided, strict=True)
         drawn = any(rule.lines.sampled for rule in self.rules)
-        return Responses(whole, parts if drawn else [], thinned)
+        return Responses(whole, list(parts) if drawn else [], thinned)
 
     def indices(self, surfaces: Surfaces, criteria: Sequence[Criterion]) -> FloatArray:
         """Reliability indices (C,), of which no error is asked."""
