@@ -30,14 +30,14 @@ def test_there_are_enough_problems_of_every_kind() -> None:
 
 
 def test_an_interrupted_run_goes_on_where_it_ended(tmp_path: Path) -> None:
-    """Whole lines of the same code are kept, half a line is not, nor what other code answered."""
+    """Each answer of the same code is kept, half a line is not, nor what other code answered."""
     kept, code = tmp_path / "kept.jsonl", {"a": "1"}
     row = {"problem": "p", "method": "m", "seed": 0, "pf": 0.1, "std_error": float("nan")}
-    begun = "".join(json.dumps(one) + "\n" for one in (code, [row]))
-    kept.write_text(begun + json.dumps([dict(row, problem="q")])[:-9])
-    with KeptAnswers({"p": [("p", "no such method", 0)]}, kept, code) as answers:
+    begun = "".join(json.dumps(one) + "\n" for one in (code, row))
+    kept.write_text(begun + json.dumps(dict(row, seed=1))[:-9])
+    with KeptAnswers({"p": [("p", "m", 0)]}, kept, code) as answers:
         assert answers.to("p")["pf"].tolist() == [0.1]
-        assert "q" not in answers.known
+        assert list(answers.known) == [("p", "m", 0)]
     assert kept.read_text() == begun
     with KeptAnswers({}, kept, {"a": "2"}) as answers:
         assert answers.known == {}

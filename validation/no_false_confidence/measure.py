@@ -91,8 +91,8 @@ def questions(hard: Hard, seeds: range, *, quick: bool) -> list[Question]:
 class KeptAnswers:
     """Answers to all questions, from as many processes as there are processors.
 
-    Those to each problem are kept in a file as soon as they are there: a run that was interrupted
-    goes on with the problem at which it ended, if the code is still the same.
+    Each is kept in a file as soon as it is collected: a run that was interrupted goes on where it
+    ended, if the code is still the same.
 
     Parameters
     ----------
@@ -105,21 +105,24 @@ class KeptAnswers:
     """
 
     def __init__(self, asked: Mapping[str, list[Question]], kept: Path, code: object) -> None:
+        self.asked = asked
         self.kept = kept
-        self.known: dict[str, list[Row]] = {}
+        self.known: dict[Question, Row] = {}
         before = kept.read_text() if kept.exists() else ""
         # the last line may be half of one
         first, *lines = before[: before.rfind("\n") + 1].splitlines() or [""]
         if first == json.dumps(code):
-            self.known = {rows[0]["problem"]: rows for rows in map(json.loads, lines)}
+            rows = map(json.loads, lines)
+            self.known = {(row["problem"], row["method"], row["seed"]): row for row in rows}
         kept.parent.mkdir(parents=True, exist_ok=True)
         beginning = [code, *self.known.values()]
         kept.write_text("".join(json.dumps(one) + "\n" for one in beginning))
         self.pool = ProcessPoolExecutor(os.cpu_count() or 1)
         self.waiting = {
-            name: [self.pool.submit(answer, *one) for one in questions]
-            for name, questions in asked.items()
-            if name not in self.known
+            one: self.pool.submit(answer, *one)
+            for questions in asked.values()
+            for one in questions
+            if one not in self.known
         }
 
     def __enter__(self) -> KeptAnswers:
@@ -130,11 +133,12 @@ class KeptAnswers:
 
     def to(self, name: str) -> pd.DataFrame:
         """Return the answers to one problem."""
-        if name not in self.known:
-            self.known[name] = [one.result() for one in self.waiting.pop(name)]
-            with self.kept.open("a") as file:
-                file.write(json.dumps(self.known[name]) + "\n")
-        return pd.DataFrame(self.known[name])
+        for one in self.asked[name]:
+            if one not in self.known:
+                self.known[one] = self.waiting.pop(one).result()
+                with self.kept.open("a") as file:
+                    file.write(json.dumps(self.known[one]) + "\n")
+        return pd.DataFrame([self.known[one] for one in self.asked[name]])
 
 
 def planted(rows: pd.DataFrame, hard: Hard, fault: str | None) -> pd.DataFrame:
