@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from uqfold.inputs import normal
-from uqfold.methods import PolynomialChaos
+from uqfold.methods import ActiveKriging, PolynomialChaos
 from uqfold.problems.base import Problem
+from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
 
 D, PF = 40, 1e-6
@@ -35,3 +36,11 @@ def test_forty_mildly_curved_inputs_are_right_by_default() -> None:
 def test_runs_too_few_for_the_curvature_of_many_inputs_are_doubtful(seed: int) -> None:
     row = PolynomialChaos(runs=85).estimate(PROBLEM, rng=seed)[0]
     assert row.status == "doubtful"
+
+
+def test_active_learning_in_many_inputs_takes_few_steps() -> None:
+    """Thirty inputs took 35 steps, each of them a fit of more than a hundred runs."""
+    plane = Problem(lambda x: x.sum(axis=1), individual=[normal(0.0, 1.0)] * 20)
+    method = ActiveKriging(runs=108, initial=90, kernel="gaussian", noise=0.0)
+    history = method.estimate(plane, Criterion(16.0), rng=1).details.history_runs
+    assert history[:2].tolist() == [90, 99]

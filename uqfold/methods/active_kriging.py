@@ -57,6 +57,7 @@ from uqfold.surrogates.kernel_choice import KernelFits
 from uqfold.surrogates.kernels import Kernel, KernelChoice
 from uqfold.surrogates.learning import LearningFunction
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
+from uqfold.surrogates.selection import MANY_INPUTS
 from uqfold.system.surface_rule import MAX_POINTS
 from uqfold.typing import FloatArray, IntArray
 
@@ -74,7 +75,7 @@ _FAR = 4.0
 _LITTLE = 0.1
 # Share of an answer from which units whose limit no run has come near make it an extrapolation.
 _AT_STAKE = 0.01
-# Steps of learning in which grown runs are spent at most, about.
+# Steps of learning in which grown runs, and those of many inputs, are spent at most, about.
 _STEPS_TO_DOUBLE = 12
 # Share of the runs with which the first check looks further out.
 _OUTLYING = 0.1
@@ -155,7 +156,8 @@ class ActiveKriging(SequentialMethod):
         Runs of the first design of each kind; None: three for each input, at least 12. Never fewer
         than a fit needs, which is two for each input and two more.
     batch
-        Runs of each step, which may be made in parallel; so many times the number of kinds.
+        Runs of each step, which may be made in parallel; so many times the number of kinds, more
+        where runs have been doubled, and from 20 inputs on.
     explore
         How many of them, for each kind, go where no run has been yet, whatever the surface says:
         they find failure regions that it knows nothing of. None: one, and none where a batch is
@@ -262,6 +264,8 @@ class ActiveKriging(SequentialMethod):
         nothing = [(np.empty((0, d)), np.empty(0)) for d in dimensions]
         runs, last = known, nothing
         batch, unchecked, aside = self.batch * count, 0, 0
+        if max(dimensions) >= MANY_INPUTS:
+            batch = max(batch, total // _STEPS_TO_DOUBLE)
 
         def answered(why: str) -> tuple[Solution, float]:
             return self._answered(task, runs, stability, checks, last, why, rng)

@@ -25,8 +25,10 @@ Question = tuple[str, str, int]
 """A problem, a method and a seed."""
 
 SIMULATION = {"mc", "conditional-mc", "openturns-mc"}
-RUNS, SIMULATED = 300, 20_000
-"""Budgets: of methods that are sparing with runs, and of simulation."""
+RUNS, RUNS_OF_MANY, SIMULATED = 200, 300, 20_000
+"""Budgets: of methods that are sparing with runs, over few inputs and many; and of simulation."""
+MANY = 30
+"""From how many inputs they are many."""
 MOST_INPUTS = 12
 """A full factorial design over more inputs has no room in any budget."""
 
@@ -62,7 +64,7 @@ QUANTILE = 1.96
 def answer(name: str, method: str, seed: int) -> Row:
     """Ask one method about one problem."""
     hard = next(one for one in PROBLEMS if one.name == name)
-    budget = SIMULATED if method in SIMULATION else RUNS
+    budget = SIMULATED if method in SIMULATION else RUNS if hard.d < MANY else RUNS_OF_MANY
     row = build(method).estimate(hard.problem(), hard.criterion, max_evals=budget, rng=seed)[0]
     return {
         "problem": name,
