@@ -218,6 +218,8 @@ def calls(folder: Path) -> dict[str, Call]:
     cheap = methods.FFNIPearson()
     known = {"reference_pf": 0.1, "reference_std_error": 0.0, "error": 0.01}
     frame = compared.assign(**known)
+    answered = uqfold.benchmark("ffni-spa", "rp22", seeds=1, path=folder / "rows.jsonl")
+    of_benchmark = {"frame": thing(answered)}
     design = analysis.design_threshold(problem, 0.1, (0.0, 9.0), method=cheap, points=9)
     designs = analysis.designs_to_frame([design], cheap, max_evals=1000)
     designs = designs.assign(label="mc", problem="some")
@@ -516,6 +518,24 @@ def calls(folder: Path) -> dict[str, Call]:
             },
         ),
         "comparison.available_problems": Call(comparison.available_problems, {}),
+        "benchmark": Call(
+            uqfold.benchmark,
+            {
+                "methods": thing("ffni-spa").except_for("none"),
+                "problems": thing("rp22").except_for("none"),
+                "seeds": count(1),
+                "max_evals": run["max_evals"],
+                "path": optional(file),
+                "workers": count(1),
+                "max_seconds": optional(number()),
+                "progress": optional(thing(nothing)),
+                "command": text(),
+            },
+        ),
+        "comparison.league_table": Call(comparison.league_table, of_benchmark),
+        "comparison.problem_scores": Call(comparison.problem_scores, of_benchmark),
+        "comparison.solving_costs": Call(comparison.solving_costs, of_benchmark),
+        "comparison.read_benchmark": Call(comparison.read_benchmark, {"path": file}),
         "comparison.benchmark_summary": Call(
             comparison.benchmark_summary,
             {"frame": thing(frame.assign(max_evals=1.0)), "units": thing({"response": 2})},
@@ -962,6 +982,12 @@ def calls(folder: Path) -> dict[str, Call]:
             plots.method_styles, {"labels": thing(["mc"]).also("empty list")}
         ),
         "plots.one_legend": Call(plots.one_legend, {"figure": thing(axes.figure)}),
+        **{
+            f"plots.{draw.__name__}": Call(
+                draw, {**of_benchmark, "ax": optional(thing(drawn_into))}
+            )
+            for draw in (plots.performance_profile, plots.data_profile)
+        },
         "plots.points": Call(
             plots.points,
             {

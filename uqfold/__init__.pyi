@@ -12,6 +12,7 @@ from uqfold import (
     testing as testing,
     validation as validation,
 )
+from uqfold.comparison.benchmark_run import benchmark as benchmark
 from uqfold.comparison.run import compare as compare
 from uqfold.evaluation.evaluator import Evaluator as Evaluator
 from uqfold.methods.automatic import estimate as estimate

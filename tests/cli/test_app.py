@@ -200,7 +200,14 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [["--help"], ["compare", "--help"], ["methods", "--help"], ["problems", "--help"]]
+    "words",
+    [
+        ["--help"],
+        ["compare", "--help"],
+        ["methods", "--help"],
+        ["problems", "--help"],
+        ["benchmark", "--help"],
+    ],
 )
 def test_help_has_examples(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*words) == 0

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import uqfold
+from uqfold.cli.benchmark import BENCHMARK_HELP, benchmark_methods
 from uqfold.cli.compare import COMPARE_HELP, compare_methods
 from uqfold.cli.doctor import DOCTOR_HELP, examine
 from uqfold.cli.invocation import AsJson, Interrupts, Invocation, say_json
@@ -23,6 +24,7 @@ _APP_HELP = """How reliable is this system, and which method tells us most cheap
 Examples:
   uqfold compare folding-wing
   uqfold compare --help
+  uqfold benchmark --workers 2
   uqfold validate --quick
   uqfold report uqfold-results/folding-wing
   uqfold methods
@@ -97,6 +99,7 @@ def _common(
 
 
 app.command(name="compare", help=COMPARE_HELP)(compare_methods)
+app.command(name="benchmark", help=BENCHMARK_HELP)(benchmark_methods)
 app.command(name="report", help=REPORT_HELP)(report_command)
 app.command(name="validate", help=VALIDATE_HELP)(validate_cases)
 app.command(name="doctor", help=DOCTOR_HELP)(examine)

@@ -12,8 +12,8 @@ from uqfold.cli.streams import shown_path
 
 REPORT_HELP = """Write the report on records: one HTML file that needs nothing else, or Markdown.
 
-RUN_DIR is a folder that `uqfold compare` or `uqfold validate` has written. No model is run. The
-HTML file can be sent, printed, and read without a network; Markdown has its charts beside it.
+RUN_DIR is a folder that `uqfold compare`, `benchmark` or `validate` has written. No model is run.
+The HTML file can be sent, printed, and read without a network; Markdown has its charts beside it.
 
 \b
 Examples:

@@ -1,10 +1,16 @@
 from uqfold.comparison.benchmark import benchmark_summary as benchmark_summary
+from uqfold.comparison.benchmark_rows import read_benchmark as read_benchmark
 from uqfold.comparison.form import record_schema as record_schema
 from uqfold.comparison.frames import (
     checked_frame as checked_frame,
     comparison_header as comparison_header,
 )
 from uqfold.comparison.header import criteria_of as criteria_of
+from uqfold.comparison.league import (
+    league_table as league_table,
+    problem_scores as problem_scores,
+    solving_costs as solving_costs,
+)
 from uqfold.comparison.named_problems import (
     NamedProblem as NamedProblem,
     available_problems as available_problems,

@@ -115,13 +115,22 @@ class _Header(TypedDict):
     source: dict[str, str]
 
 
+_OF_BENCHMARK: dict[str, Any] = {
+    "schema": Literal["uqfold-benchmark/1"], "max_evals": _Level, "inputs": int,
+    "covered": bool | None, "settings": str, "code": str, "date": str, "command": str,
+}  # fmt: skip
+
 if TYPE_CHECKING:
     RowForm: TypeAlias = dict[str, Any]
+    AnswerForm: TypeAlias = dict[str, Any]
 else:
     _FORMS = {float: _Number, int: int, str: _Text}
-    RowForm = TypedDict("RowForm", {name: _FORMS[kind] for name, kind in COLUMNS.items()})
+    _OF_ROWS = {name: _FORMS[kind] for name, kind in COLUMNS.items()}
+    RowForm = TypedDict("RowForm", _OF_ROWS)
+    AnswerForm = TypedDict("AnswerForm", _OF_ROWS | _OF_BENCHMARK)
     # numbers of missions are text, and numbers in a CSV file
     RowForm.__pydantic_config__ = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
+    AnswerForm.__pydantic_config__ = ConfigDict(extra="forbid")
 
 
 class _Record(_Header):
@@ -134,6 +143,9 @@ class _Record(_Header):
 HEADER = TypeAdapter(_Header)
 ROWS = TypeAdapter(list[RowForm])
 RECORD = TypeAdapter(_Record)
+ANSWER = TypeAdapter(AnswerForm)
+OF_BENCHMARK = tuple(_OF_BENCHMARK)
+"""Fields of a row of a benchmark besides those of a comparison."""
 
 
 def record_schema() -> dict[str, Any]:

@@ -84,7 +84,7 @@ def comparison_header(frame: pd.DataFrame) -> dict[str, Any]:
 def _header(document: Any, frame: pd.DataFrame) -> dict[str, Any]:
     labels = dict(zip(frame["label"], frame["method"], strict=True))
     stated = frame[["threshold", "tau", "missions", "missions_planned", "missions_p"]]
-    criteria = [asdict(_criterion(row)) for row in stated.drop_duplicates().to_dict("records")]
+    criteria = [asdict(criterion_of(row)) for row in stated.drop_duplicates().to_dict("records")]
     told = {"criteria": criteria, "finished": list(labels)}
     if document is not None:
         header = checked_header(document)
@@ -98,7 +98,8 @@ def _header(document: Any, frame: pd.DataFrame) -> dict[str, Any]:
     return _UNKNOWN | told | {"problem": problem, "methods": methods, "seed": seed}
 
 
-def _criterion(row: Mapping[Any, Any]) -> Criterion:
+def criterion_of(row: Mapping[Any, Any]) -> Criterion:
+    """Return the criterion that a row answers."""
     missions: Any = row["missions"]
     if not math.isnan(row["missions_planned"]):
         missions = Binomial(row["missions_planned"], row["missions_p"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from functools import cache
 from typing import Any
@@ -28,6 +28,8 @@ def header_of(
 ) -> dict[str, Any]:
     """Return who is to answer what about which problem, now and with the code installed here."""
     made = made_by(command=command)
+    units = () if isinstance(problem.units, int) else problem.units
+    models = [problem.model, *(unit.model for unit in units)]
     return {
         "problem": problem.name,
         "response": problem.response,
@@ -45,8 +47,13 @@ def header_of(
         ],
         "reference": known and {name: getattr(known, name) for name in ("kind", "how", "command")},
         **{name: made[name] for name in ("command", "date", "machine", "versions")},
-        "source": dict(_source(tuple(sorted(_modules(problem, methods))))),
+        "source": source_of(*methods.values(), *models),
     }
+
+
+def source_of(*things: object) -> dict[str, str]:
+    """Return digests of the source that methods and models depend on, by part."""
+    return dict(_source(tuple(sorted(set(_modules(things))))))
 
 
 def checked_header(document: Any) -> dict[str, Any]:
@@ -113,10 +120,9 @@ def _named(model: Any) -> str:
     return f"{getattr(model, '__module__', '')}.{function}"
 
 
-def _modules(problem: Problem, methods: Mapping[str, ReliabilityMethod]) -> Iterator[str]:
-    """Names of the modules of the methods and of the models."""
-    own = [] if isinstance(problem.units, int) else [unit.model for unit in problem.units]
-    for one in (*methods.values(), problem.model, *own):
+def _modules(things: Iterable[object]) -> Iterator[str]:
+    """Names of the modules of methods and models, and of the functions that they hold."""
+    for one in things:
         inside = [each for each in getattr(one, "__dict__", {}).values() if callable(each)]
         for each in (one, *inside):
             module = getattr(each, "__module__", None)

@@ -12,7 +12,7 @@ from functools import cache, partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from uqfold.checks import choice, function, keep, text, whole
 from uqfold.problems.catalogue.folder import titles
@@ -86,9 +86,9 @@ def named_problem(name: str) -> NamedProblem:
         If there is none (the message lists those that exist), the file fails while it is loaded,
         or what it holds by that name cannot be called without arguments.
     """
-    if isinstance(name, str) and ".py:" in name:
+    if is_of_a_file(name):
         file, _, own = name.rpartition(":")
-        build = _of_a_file(Path(file), own)
+        build = _of_a_file(Path(file), own, "a uqfold.Problem", _is_problem)
         return NamedProblem(f"{Path(file).stem}-{own}", f"{own} of {file}", build, OWN_EVALS)
     problems = available_problems()
     if isinstance(name, str) and name.endswith(".py"):
@@ -97,6 +97,34 @@ def named_problem(name: str) -> NamedProblem:
             "returns a uqfold.Problem"
         )
     return problems[choice("name", name, problems)]
+
+
+def is_of_a_file(name: object) -> TypeGuard[str]:
+    """Whether a name is ``file.py:function``."""
+    return isinstance(name, str) and ".py:" in name
+
+
+def methods_of_a_file(name: str) -> dict[str, Any]:
+    """Return label -> method as a function in a file returns it, named as for problems.
+
+    Raises
+    ------
+    ValueError
+        As `named_problem` does.
+    """
+    file, _, own = name.rpartition(":")
+    found: dict[str, Any] = _of_a_file(Path(file), own, "a dict of label -> method", _is_dict)()
+    return found
+
+
+def _is_problem(value: object) -> bool:
+    from uqfold.problems.base import Problem
+
+    return isinstance(value, Problem)
+
+
+def _is_dict(value: object) -> bool:
+    return isinstance(value, dict)
 
 
 def _of_the_catalogue(name: str) -> Problem:
@@ -115,20 +143,23 @@ def _of_the_package(name: str) -> Callable[[], Problem]:
     return build
 
 
-def _of_a_file(file: Path, name: str) -> Callable[[], Problem]:
-    """Return what builds the problem by a function in a file, which is loaded at once."""
+def _of_a_file(
+    file: Path, name: str, returns: str, is_right: Callable[[object], bool]
+) -> Callable[[], Any]:
+    """Return what calls a function in a file, which is loaded at once, or is what it should return.
+
+    `returns` says in words what `is_right` checks.
+    """
     if not file.is_file():
         raise ValueError(f"name = '{file}:{name}': there is no file {file}")
     own = getattr(_loaded(file.resolve()), name, None)
     if own is None:
         raise ValueError(f"name = '{file}:{name}': {file} has no function {name!r}")
 
-    wanted = f"{file}: {name} must be a function without arguments that returns a uqfold.Problem"
+    wanted = f"{file}: {name} must be a function without arguments that returns {returns}"
 
-    def build() -> Problem:
-        from uqfold.problems.base import Problem
-
-        if isinstance(own, Problem):
+    def build() -> Any:
+        if is_right(own):
             return own
         try:
             inspect.signature(own).bind()
@@ -138,8 +169,8 @@ def _of_a_file(file: Path, name: str) -> Callable[[], Problem]:
             pass
         with _told_by_line(file):
             built = own()
-        if not isinstance(built, Problem):
-            raise ValueError(f"{wanted}, but it returns {type(built).__name__}")  # noqa: TRY004
+        if not is_right(built):
+            raise ValueError(f"{wanted}, but it returns {type(built).__name__}")
         return built
 
     return build

@@ -1,15 +1,12 @@
-"""The frame of a comparison, which prints as the columns that people read."""
+"""The frame of a comparison, or a benchmark, which prints as the columns that people read."""
 
 from __future__ import annotations
+
+from typing import ClassVar
 
 import pandas as pd
 
 from uqfold.methods.tabular import cell_text
-
-READ = (
-    "label", "threshold", "tau", "missions", "pf", "ci_low", "ci_high", "reference_pf", "error",
-    "n_evals_row", "status",
-)  # fmt: skip
 
 
 class ComparisonFrame(pd.DataFrame):  # type: ignore[misc]
@@ -19,9 +16,14 @@ class ComparisonFrame(pd.DataFrame):  # type: ignore[misc]
     columns of `READ` were dropped prints as pandas prints it.
     """
 
+    READ: ClassVar[tuple[str, ...]] = (
+        "label", "threshold", "tau", "missions", "pf", "ci_low", "ci_high", "reference_pf", "error",
+        "n_evals_row", "status",
+    )  # fmt: skip
+
     @property
     def _constructor(self) -> type[ComparisonFrame]:
-        return ComparisonFrame
+        return type(self)
 
     def __repr__(self) -> str:
         return str(super().__repr__() if self._is_part else self._read().to_string(max_rows=60))
@@ -33,10 +35,20 @@ class ComparisonFrame(pd.DataFrame):  # type: ignore[misc]
 
     @property
     def _is_part(self) -> bool:
-        return self.empty or not set(READ) <= set(self.columns)
+        return self.empty or not set(self.READ) <= set(self.columns)
 
     def _read(self) -> pd.DataFrame:
-        told = {name: [cell_text(name, one) for one in self[name].tolist()] for name in READ}
-        silent = {"", "1"} if set(told["missions"]) == {"1"} else {""}
-        shown = {name: texts for name, texts in told.items() if not set(texts) <= silent}
+        told = {name: [cell_text(name, one) for one in self[name].tolist()] for name in self.READ}
+        if set(told["missions"]) == {"1"}:
+            told.pop("missions")
+        shown = {name: texts for name, texts in told.items() if any(texts)}
         return pd.DataFrame(shown, index=self.index)
+
+
+class BenchmarkFrame(ComparisonFrame):
+    """The same with the rows of a benchmark."""
+
+    READ: ClassVar[tuple[str, ...]] = (
+        "problem", "threshold", "tau", "missions", "label", "seed", "pf", "std_error",
+        "reference_pf", "error", "covered", "n_evals", "status",
+    )  # fmt: skip

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from uqfold.checks import function, instance, listed, mapping, or_none, refused, several, text
+from uqfold.checks import function, instance, listed, mapping, or_none, refused, text
 from uqfold.comparison.columns import comparison_row, rows_to_frame
 from uqfold.comparison.header import ATTRIBUTE, header_of
+from uqfold.comparison.named_problems import is_of_a_file, methods_of_a_file
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (
     CriteriaLike,
@@ -69,7 +70,7 @@ def run_comparison(
         As `compare` does.
     """
     grid = checked_criteria(problem, criteria)
-    labelled = _labelled(methods)
+    labelled = labelled_methods(methods)
     budget, seed = checked_budget(max_evals), reduced_seed(rng)
     how = checked_evaluator(evaluator)
     or_none("progress", progress, function)
@@ -209,27 +210,35 @@ def _error_parts(result: ReliabilityResult) -> dict[str, float]:
     }
 
 
-def _labelled(methods: Methods) -> dict[str, ReliabilityMethod]:
+def labelled_methods(methods: Methods) -> dict[str, ReliabilityMethod]:
+    """Return label -> method of what `compare` takes as methods, checked; None: all there are.
+
+    ``FILE.py:FUNCTION`` among the names stands for the methods that the function returns.
+    """
     if methods is None:
         methods = list(available())
     if isinstance(methods, Mapping):
-        labelled = mapping("methods", methods, _built)
-        if not all(label.strip() for label in labelled):
-            raise refused("methods", list(labelled), "give labels that are not empty")
+        named = list(mapping("methods", methods, _built).items())
+    elif isinstance(methods, str | ReliabilityMethod):
+        named = _named("methods", methods)
     else:
-        if isinstance(methods, str | ReliabilityMethod):
-            built: Sequence[ReliabilityMethod] = [_built("methods", methods)]
-        else:
-            built = several("methods", listed("methods", methods, what="list of methods"), _built)
-        labelled = {method.name: method for method in built}
-        names = [method.name for method in built]
-        if twice := [name for name in labelled if names.count(name) > 1]:
-            raise ValueError(
-                f"methods: two are labelled {twice[0]!r}, give a dict of label -> method"
-            )
-    if not labelled:
+        given = listed("methods", methods, what="list of methods")
+        named = [pair for i, one in enumerate(given) for pair in _named(f"methods[{i}]", one)]
+    labels = [label for label, _ in named]
+    if not all(label.strip() for label in labels):
+        raise refused("methods", labels, "give labels that are not empty")
+    if twice := [label for label in labels if labels.count(label) > 1]:
+        raise ValueError(f"methods: two are labelled {twice[0]!r}, give a dict of label -> method")
+    if not named:
         raise refused("methods", methods, f"choose from {', '.join(available())}")
-    return labelled
+    return dict(named)
+
+
+def _named(name: str, method: MethodLike) -> list[tuple[str, ReliabilityMethod]]:
+    if is_of_a_file(method):
+        return list(mapping(name, methods_of_a_file(method), _built).items())
+    built = _built(name, method)
+    return [(built.name, built)]
 
 
 def _built(name: str, method: MethodLike) -> ReliabilityMethod:

@@ -73,16 +73,21 @@ class Worker:
 
 def _serve(line: Connection) -> None:
     """Life of a worker: load models, run batches, until the line is cut."""
-    # Ctrl-C reaches all processes of the group; what it means the one that started them decides
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    adopt_orphans()
-    signal.signal(signal.SIGTERM, _end)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    follow_parent()
     try:
         _work(line)
     finally:
         # a model whose programs were killed may return while others are still to be killed
         _end_what_was_started()
+
+
+def follow_parent() -> None:
+    """Make this process a worker: it leaves Ctrl-C to its parent, and ends with it."""
+    # Ctrl-C reaches all processes of the group; what it means the one that started them decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    adopt_orphans()
+    signal.signal(signal.SIGTERM, _end)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _work(line: Connection) -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from uqfold.checks import instance, refused, several
 from uqfold.checks import path as checked_path
+from uqfold.comparison.benchmark_rows import ROWS_NAME, read_benchmark
+from uqfold.comparison.form import OF_BENCHMARK
 from uqfold.comparison.frames import checked_frame
 from uqfold.comparison.records import JSON_NAME, read_records
 from uqfold.report.page.builder import Page, page_path
@@ -29,14 +31,15 @@ KEPT_REPORT = "report.md"
 
 
 def report_page(source: Source) -> Page:
-    """Make the report on a comparison or on validation cases.
+    """Make the report on a comparison, a benchmark or validation cases.
 
     Parameters
     ----------
     source
-        A frame that `uqfold.compare` returned, records of cases, or a folder or file that holds
-        either: what `uqfold compare` or `uqfold validate` has written, or the folder of the cases
-        with the records that are kept beside them.
+        A frame that `uqfold.compare` or `uqfold.benchmark` returned, records of cases, or a folder
+        that holds either (a file also, but for a benchmark): what the commands of these names or
+        `uqfold validate` have written, or the folder of the cases with the records that are kept
+        beside them.
 
     Raises
     ------
@@ -50,9 +53,12 @@ def report_page(source: Source) -> Page:
     if isinstance(source, str | os.PathLike):
         return _page_of(checked_path("source", source))
     if hasattr(source, "columns"):
+        from uqfold.report.benchmark_page import benchmark_page
         from uqfold.report.comparison_page import comparison_page
 
         frame: pd.DataFrame = source
+        if set(OF_BENCHMARK) <= set(frame.columns):
+            return benchmark_page(frame)
         rows = len(frame.index)
         if rows > MOST_ROWS:
             raise ValueError(
@@ -110,6 +116,8 @@ def _page_of(path: Path) -> Page:
     if path.is_dir():
         if (path / JSON_NAME).is_file():
             return report_page(read_records(path))
+        if (path / ROWS_NAME).is_file():
+            return report_page(read_benchmark(path))
         if next(path.glob(f"*/{CASE_FILE}"), None) is not None:
             return report_page(kept_records(path))
         if next(path.glob("*.json"), None) is None:
