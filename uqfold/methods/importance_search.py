@@ -17,7 +17,7 @@ CLIMBS, FEWEST_CLIMBS = 8, 2
 """Independent climbs that find failures to begin with: most and fewest."""
 PART_OF_CLIMBS, SMALLEST_CLIMB = 2, 100
 """They take one part in so many of the budget; least samples of one at each level."""
-ENOUGH = 1_000
+ENOUGH = 600
 """Samples of all climbs at each level, for each of the levels: more are of little use."""
 ROUNDS, PART_OF_ROUND, SMALLEST_ROUND, LARGEST_ROUND = 6, 40, 200, 2_000
 """Rounds of fitting, each one part in so many of the budget; least and most samples of one."""
@@ -37,7 +37,7 @@ CHAINS, CHAIN = 20, 20
 """At first they are led apart, by so many chains of so many states at most."""
 FEWEST_LOST = 10
 """With fewer of them in a round, those of the climbs are kept to."""
-WANDERING = 4.5
+WANDERING = 3.0
 """How far it wanders, measured: see `ImportanceSearch.unseen`."""
 ELSEWHERE = 0.15
 """Share of the samples that do not follow the failures found."""
