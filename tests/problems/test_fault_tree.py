@@ -77,6 +77,22 @@ def test_components_have_names_of_their_own(tmp_path: Path) -> None:
     assert set(structure.names) == {"t_A_valve", "t_B_valve", "bus"}
 
 
+def test_a_gate_that_a_house_event_makes_needless_is_left_out(tmp_path: Path) -> None:
+    """Refused: the part 'G' is named and not used."""
+    off = '<define-house-event name="H"><constant value="false"/></define-house-event>'
+    gate = '<define-gate name="G"><or><event name="b"/><event name="c"/></or></define-gate>'
+    formula = '<or><event name="a"/><and><house-event name="H"/><gate name="G"/></and></or>'
+    assert of(tmp_path, formula, gate + off).expression == "a"
+
+
+def test_a_gate_of_three_thousand_events_is_read(tmp_path: Path) -> None:
+    """Signs between so many names were too much for Python."""
+    events = "".join(f'<event name="e{i}"/>' for i in range(3_000))
+    for kind in ("or", "and"):
+        structure = of(tmp_path, f"<{kind}>{events}</{kind}>")
+        assert diagram(structure, structure.names).size == 3_002
+
+
 def test_a_hundred_gates_with_repeated_events_take_seconds(tmp_path: Path) -> None:
     """Against the same tree evaluated state by state, in random states."""
     rng = np.random.default_rng(4)
@@ -134,6 +150,25 @@ def test_a_hundred_gates_with_repeated_events_take_seconds(tmp_path: Path) -> No
             "top = 'h': gate 'h' is not defined",
         ),
         ("", None, "it has none"),
+        (
+            '<define-gate name="g"><gate name="h"/></define-gate>'
+            '<define-gate name="h"><gate name="g"/></define-gate>',
+            None,
+            "some are used within themselves",
+        ),
+        # the micro sign and the Greek letter, which Python reads as one
+        (
+            '<define-gate name="g"><or>'
+            '<event name="\u00b5"/><event name="\u03bc"/></or></define-gate>',
+            None,
+            "both read as \u03bc",
+        ),
+        (
+            '<define-gate name="g">'
+            f'{"<or>" * 3_000}<event name="a"/>{"</or>" * 3_000}</define-gate>',
+            None,
+            "stand too deep within each other",
+        ),
         ('<define-gate name="g"/>', None, "0 formulas"),
         ('<define-gate name="g"><event/></define-gate>', None, "has no name"),
         (

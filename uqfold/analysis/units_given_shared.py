@@ -1,8 +1,9 @@
 """How units fail given the shared inputs, on a fitted surface of each kind of them.
 
-What is made of this for one criterion has an error in two parts. Surfaces drawn from the posteriors
-of all kinds tell how it scatters, each unit for itself; and all thresholds are moved, forth and
-back, by what moves pf by its stated error, which holds whatever else is doubted about the surfaces.
+What is made of this for one criterion has an error in three parts. Surfaces drawn from the
+posteriors of all kinds tell how it scatters, each unit for itself; and all thresholds are moved,
+forth and back, by what moves pf by its stated error, which holds whatever else is doubted about the
+surfaces. The nodes over the shared inputs miss each number by about as much as they do pf.
 """
 
 from __future__ import annotations
@@ -58,6 +59,8 @@ class UnitsGivenShared:
         and higher thresholds. Both are empty where no error of pf is stated.
     caution
         How many times the spread of the former counts.
+    integration
+        Error of pf by the nodes themselves, relative to pf: they are those of all other numbers.
     """
 
     criterion: Criterion
@@ -68,17 +71,21 @@ class UnitsGivenShared:
     drawn: Sequence[_Units] = ()
     moved: Sequence[_Units] = ()
     caution: float = 1.0
+    integration: float = 0.0
 
     def error(self, measure: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
         """Standard errors of a function of `fails` and `works`, in its shape; NaN without any."""
+        found = measure(self.fails, self.works)
         if not self.moved:
-            return np.full_like(measure(self.fails, self.works), np.nan)
+            return np.full_like(found, np.nan)
         drawn = np.array([measure(*one) for one in self.drawn])
         low, high = (measure(*one) for one in self.moved)
         # infinite ones have no error
         with np.errstate(invalid="ignore"):
             spread = self.caution * drawn.std(axis=0, ddof=1)
-            return np.asarray(np.hypot(spread, 0.5 * np.abs(high - low)))
+            training = np.hypot(spread, 0.5 * np.abs(high - low))
+            integration = np.where(np.isfinite(found), self.integration * found, 0.0)
+            return np.asarray(np.hypot(training, integration))
 
 
 def units_given_shared(
@@ -135,7 +142,7 @@ def units_given_shared(
     )
     structure = diagram(problem.structure, problem.unit_names)
 
-    def given(criterion: Criterion, answer: CriterionResult) -> UnitsGivenShared:
+    def given(row: int, criterion: Criterion, answer: CriterionResult) -> UnitsGivenShared:
         def units_at(threshold: float) -> _Units:
             return _of_units(nodes, units, threshold)
 
@@ -154,9 +161,12 @@ def units_given_shared(
         moved = [units_at(T - by), units_at(T + by)]
         drawn = [_of_units(one, units, T) for one in others]
         caution = _CAUTION * max(one.overconfidence for one in fitted)
-        return replace(own, drawn=drawn, moved=moved, caution=caution)
+        parts = fitted[0].result.details.errors
+        integration = float(parts.integration[row]) / answer.pf
+        return replace(own, drawn=drawn, moved=moved, caution=caution, integration=integration)
 
-    return [given(*pair) for pair in zip(asked, fitted[0].result, strict=True)]
+    answers = zip(asked, fitted[0].result, strict=True)
+    return [given(row, *pair) for row, pair in enumerate(answers)]
 
 
 def _nodes(responses: OfKinds) -> list[list[UnitResponse]]:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import keyword
 import os
 import re
+import unicodedata
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -31,6 +32,9 @@ Key: TypeAlias = tuple[str, str]
 Works: TypeAlias = str | bool
 """When a formula works: text, or what is certain."""
 
+_MOST_JOINED = 200
+"""Parts that signs join; of more they would stand too deep within each other to be read."""
+_WORD = re.compile(r"\w+")
 _NESTED = ("define-fault-tree", "define-component")
 _OPERATORS = ("and", "or", "atleast")
 _SAID = ("label", "attributes")
@@ -114,6 +118,8 @@ def _top(reader: _Reader, top: str | None) -> str:
     tops = [name for name in gates if ("gate", name) not in used]
     if len(tops) != 1:
         found = f"{len(tops)} gates are used by no other ({_few(tops)})" if gates else "it has none"
+        if gates and not tops:
+            found = "each gate is used by another one, so that some are used within themselves"
         raise checks.refused("top", top, f"give the gate that is the system's failure; {found}")
     return tops[0]
 
@@ -137,18 +143,28 @@ class _Reader:
                 if kind == "basic-event":
                     self._name(kind, event)
         known: dict[str, Works] = {}
-        lines: list[str] = []
+        parts: dict[str, str] = {}
         for name in order:
             gate = self.defined[name]
-            works = self._works(_formula(gate.element), gate.scope, known)
+            try:
+                works = self._works(_formula(gate.element), gate.scope, known)
+            except RecursionError:
+                remedy = "its formulas stand too deep within each other: make gates of them"
+                raise ValueError(f"gate {name!r}: {remedy}") from None
             if isinstance(works, str) and name != top and not works.isidentifier():
-                lines.append(f"{self._name('gate', name)} = {works}")
+                parts[self._name("gate", name)] = works
                 works = self._name("gate", name)
             known[name] = works
         found = known[top]
-        if isinstance(found, str):
-            return "\n".join([*lines, found])
-        raise ValueError(f"gate {top!r} {'never' if found else 'always'} fails")
+        if found is True or found is False:
+            raise ValueError(f"gate {top!r} {'never' if found else 'always'} fails")
+        lines, wanted = [found], set(_WORD.findall(found))
+        for name, part in reversed(parts.items()):
+            # a house event may have made certain what a gate was for
+            if name in wanted:
+                lines.append(f"{name} = {part}")
+                wanted.update(_WORD.findall(part))
+        return "\n".join(reversed(lines))
 
     def _order(self, top: str) -> list[str]:
         """Return a gate after all that it uses, these too, without recursion."""
@@ -216,7 +232,8 @@ class _Reader:
         if (kind, name) not in self.texts:
             last = name.rpartition(".")[2]
             short = last if len(self.by_last.get(last, [])) < 2 else name
-            plain = re.sub(r"\W", "_", short)
+            # as Python reads it: another sign for the same letter is the same name
+            plain = unicodedata.normalize("NFKC", re.sub(r"\W", "_", short))
             if not plain.isidentifier() or keyword.iskeyword(plain) or plain == "at_least":
                 plain = f"_{plain}"
             while kind == "gate" and plain in self.taken:
@@ -239,7 +256,7 @@ def _at_least(k: int, parts: list[Works]) -> Works:
         return k <= 0
     if len(rest) == 1:
         return rest[0]
-    if k in (1, len(rest)):
+    if k in (1, len(rest)) and len(rest) <= _MOST_JOINED:
         return (" | " if k == 1 else " & ").join(
             one if one.isidentifier() else f"({one})" for one in rest
         )

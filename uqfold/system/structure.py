@@ -31,6 +31,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uqfold.checks import shown
 from uqfold.problems.base import Problem
 from uqfold.problems.expression import Expression, branches, read
 from uqfold.problems.structure import (
@@ -326,8 +327,8 @@ class _Builder:
         if key not in self.known:
             if len(self.nodes) >= MOST_NODES:
                 raise ValueError(
-                    f"structure = {self.structure!r}: it needs a decision diagram of more than "
-                    f"{MOST_NODES:,} nodes"
+                    f"structure = {shown(self.structure)}: it needs a decision diagram of more "
+                    f"than {MOST_NODES:,} nodes"
                 )
             self.known[key] = len(self.nodes)
             self.nodes.append(key)
