@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from uqfold.problems.criterion import Binomial, Criteria, Missions, criteria
-
-_BINOMIAL = re.compile(r"(?:binomial\()?\s*(\d+)\s*[:,]\s*([^)\s]+)\s*\)?")
 
 
 def number(word: str) -> float:
@@ -26,13 +23,11 @@ def number_or_none(word: str) -> float | None:
 
 
 def mission_profile(word: str) -> Missions:
-    """Read a number of missions, or a binomial number as ``10:0.7`` or ``binomial(10, 0.7)``."""
-    if word.isdecimal():
-        return int(word)
-    match = _BINOMIAL.fullmatch(word)
-    if match is None:
+    """Read a number of missions, or a binomial number as ``10:0.7``."""
+    planned, colon, p = word.partition(":")
+    if not planned.isdecimal():
         raise ValueError("give a whole number, or PLANNED:P as in 10:0.7")
-    return Binomial(int(match[1]), number(match[2]))
+    return Binomial(int(planned), number(p)) if colon else int(planned)
 
 
 _READ: dict[str, Callable[[str], Any]] = {
@@ -44,8 +39,8 @@ _READ: dict[str, Callable[[str], Any]] = {
 
 
 def listed(words: Iterable[str]) -> list[str]:
-    """Split words at commas, but not inside parentheses."""
-    parts = (part.strip() for word in words for part in re.split(r",(?![^(]*\))", word))
+    """Split words at commas."""
+    parts = (part.strip() for word in words for part in word.split(","))
     return [part for part in parts if part]
 
 

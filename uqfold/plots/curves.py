@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from uqfold.checks import choice, instance, or_none, refused, several
-from uqfold.plots.panels import key, legend_below, mark, percent_axis, stacked
+from uqfold.plots.panels import key, legend_below, mark, percent_axis
 from uqfold.plots.rows import Comparable, answers_frame, distinct, having
 from uqfold.plots.style import (
     BAND_COLOR,
+    COLUMN_INCHES,
     REFERENCE_LINE,
     SOFT_COLOR,
     MethodStyle,
@@ -31,13 +32,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Quantity: TypeAlias = Literal["reliability", "pf", "error", "difference"]
-LABELS: dict[str, str] = {
-    "reliability": "reliability",
-    "pf": "failure probability",
-    "error": "error of pf, Eq. (49)",
-    "difference": "difference of $R$,\nfirst less second",
+PANELS = {
+    "reliability": ("reliability", 1.8),
+    "pf": ("failure probability", 1.9),
+    "error": ("error of pf, Eq. (49)", 1.8),
+    "difference": ("difference of $R$,\nfirst less second", 1.6),
 }
-HEIGHTS = {"reliability": 1.8, "pf": 1.9, "error": 1.8, "difference": 1.6}
+"""Quantity -> its name on the axis, and the height of its panel (inches)."""
+PANEL_INCHES = 2.4
+"""Width of a panel where several stand side by side."""
 NEEDS = ("problem", "label", "threshold", "tau", "missions", "pf")
 MAY_HAVE = ["std_error", "ci_low", "ci_high", "reference_pf", "reference_std_error", "error"]
 BAND = 2.0
@@ -89,6 +92,8 @@ def reliability_panels(
         If there is nothing to draw, or a difference is not of two problems.
     """
     import pandas as pd
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     if not (quantities := several("quantities", quantities, choice, get_args(Quantity))):
         raise refused("quantities", quantities, "give one or more")
@@ -101,10 +106,17 @@ def reliability_panels(
     group = "problem" if rows["problem"].nunique() > 1 else "label"
     styles = method_styles(distinct(rows, group))
     each, beside = distinct(rows, curves), distinct(rows, panels)
-    figure, grid = stacked([HEIGHTS[one] for one in quantities], len(beside))
+    heights = [PANELS[one][1] for one in quantities]
+    width = COLUMN_INCHES if len(beside) == 1 else PANEL_INCHES * len(beside)
+    figure = Figure(figsize=(width, sum(heights) + 0.55), layout="constrained")
+    grid = figure.subplots(
+        len(heights), len(beside), squeeze=False, sharex=True, sharey="row", height_ratios=heights
+    )
+    ticks = MaxNLocator(7 if len(beside) == 1 else 5, steps=[1, 2, 5, 10])
+    grid[0, 0].xaxis.set_major_locator(ticks)
     for quantity, line in zip(quantities, grid, strict=True):
         shown = _shown(rows, quantity, differences)
-        line[0].set_ylabel(LABELS[quantity])
+        line[0].set_ylabel(PANELS[quantity][0])
         for axes, value in zip(line, beside, strict=True):
             for name, style in styles.items():
                 own = having(having(shown, panels, value), group, name)

@@ -1,7 +1,4 @@
-"""Panels that stand together, the legend below them, and marks in rows.
-
-One column of panels is as wide as a column of print.
-"""
+"""Legends below panels, and marks in named rows."""
 
 from __future__ import annotations
 
@@ -14,36 +11,16 @@ import numpy as np
 
 from uqfold.checks import instance
 from uqfold.plots.saving import figure_of
-from uqfold.plots.style import COLUMN_INCHES, SOFT_COLOR, figure_settings, method_styles
+from uqfold.plots.style import COLUMN_INCHES, SOFT_COLOR, method_styles
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PANEL_INCHES = 2.4
-"""Width of a panel where several stand side by side."""
 LEGEND_ROW_INCHES = 0.17
 CLOSE: Any = {"handlelength": 1.4, "handletextpad": 0.6, "columnspacing": 1.2}
 """How the entries of a legend stand."""
-
-
-@figure_settings()
-def stacked(heights: Sequence[float], columns: int) -> tuple[Figure, Any]:
-    """Return a figure and its panels (rows, columns), which share x in a column and y in a row.
-
-    `heights` are those of the rows (inches).
-    """
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
-
-    width = COLUMN_INCHES if columns == 1 else PANEL_INCHES * columns
-    figure = Figure(figsize=(width, sum(heights) + 0.55), layout="constrained")
-    grid = figure.subplots(
-        len(heights), columns, squeeze=False, sharex=True, sharey="row", height_ratios=heights
-    )
-    grid[0, 0].xaxis.set_major_locator(MaxNLocator(7 if columns == 1 else 5, steps=[1, 2, 5, 10]))
-    return figure, grid
 
 
 def legend_below(figure: Figure, handles: Sequence[Any]) -> None:
