@@ -109,6 +109,15 @@ def test_four_units_have_a_direction_each() -> None:
     assert abs(result[0].pf - exact) < 4.0 * result[0].std_error < 0.4 * exact
 
 
+@pytest.mark.parametrize("seed", [1, 3])
+def test_missions_that_are_seldom_flown_have_a_direction_each(seed: int) -> None:
+    """The median flies one of three: `converged` at 0.58 of pf, when the others were overlooked."""
+    system, criterion = LinearNormalSystem(units=1), Criterion(13.0, missions=Binomial(3, 0.5))
+    result = LINES.estimate(system.problem(), criterion, max_evals=3_000, rng=seed)
+    assert len(result.details.sets[0].directions) == 3
+    assert abs(result[0].pf - system.pf(criterion)) < 4.0 * result[0].std_error
+
+
 def test_directions_that_nothing_leads_to_are_a_doubt() -> None:
     """32 units times missions have more directions than are followed: failures are counted."""
     system, criterion = LinearNormalSystem(units=4), Criterion(14.5, missions=8)

@@ -3,7 +3,7 @@
 A direction comes from gradients on the way to a point of the limit state that is nearest to the
 origin. One region found says nothing of others. So points far out are run, in all directions: where
 one of them fails and no plane found explains it, another search starts there. In d dimensions they
-lie so far out that a plane as near as the nearest one is beyond one in twenty of them.
+lie so far out that a plane as near as the nearest one has one in ten of them behind it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from uqfold.methods.crossings import LineLaw, Lines
 from uqfold.methods.rare_event import NestedCriteria, Running
-from uqfold.typing import FloatArray
+from uqfold.typing import BoolArray, FloatArray
 
 STEP = 0.1
 """Differences are taken over this length, in standard deviations of the inputs."""
@@ -23,14 +23,15 @@ STEPS = 6
 """Gradients on the way to one region at most."""
 ARRIVED = 0.1
 """A point so near to the foot of its own plane, relative to the plane's distance, is arrived."""
-LOOKS, MOST_LOOKS, PART_OF_LOOKS = 100, 2_000, 10
-"""Points far out, fewest and most, else one part in so many of the runs: a plane as near as the
-nearest one is beyond none of a hundred of them once in 170 times."""
+LOOKS, MOST_LOOKS, PART_OF_LOOKS = 100, 2_000, 5
+"""Points far out, fewest and most, else one part in so many of the runs."""
+FEWEST_SEEN = 5
+"""So many of them have to fail: fewer would hardly tell of other regions of failure."""
 LOOKS_AGAIN = 3
 """Times that they are drawn at most, since they belong to a distance."""
 MOVED = 0.3
 """They are drawn again if that distance has changed by more than this."""
-SHARE_BEYOND = 0.05
+SHARE_BEYOND = 0.1
 """Share of the points far out that a plane as near as the nearest one has behind it."""
 EXPLAINED = 0.95
 """A failure beyond this part of a plane's distance is one that the plane explains."""
@@ -73,6 +74,9 @@ class DirectionSearch:
     alphas, betas
         Unit vectors (K, d) towards failure, and the distances (K,) at which failure begins along
         them, the nearest first.
+    led
+        Whether gradients have led there (K,): else it is the way to a failure, and how near its
+        region comes is not known.
     unexplained
         Points far out that fail for no reason that is known.
     """
@@ -81,6 +85,7 @@ class DirectionSearch:
     rng: np.random.Generator
     alphas: FloatArray = field(init=False)
     betas: FloatArray = field(default_factory=lambda: np.empty(0))
+    led: BoolArray = field(default_factory=lambda: np.empty(0, dtype=np.bool_))
     unexplained: int = 0
     _most: int = field(init=False)
 
@@ -97,7 +102,7 @@ class DirectionSearch:
     def find(self) -> Running[list[str]]:
         """Find the regions; return why lines would not reach all failures, or nothing."""
         dimension = self.asked.event.dimension
-        for alpha in (yield from self._towards(np.zeros(dimension)))[:1]:
+        for alpha, _ in (yield from self._towards(np.zeros(dimension)))[:1]:
             self._add(alpha, (yield from self._begins(alpha, FARTHEST)))
         distances = list(UNKNOWN_DISTANCES)
         for _ in range(LOOKS_AGAIN):
@@ -115,8 +120,14 @@ class DirectionSearch:
             return ["the runs are too few to look for regions of failure"]
         number = min(max(LOOKS, self.affordable // PART_OF_LOOKS), MOST_LOOKS)
         u = _far_out(number, self.asked.event.dimension, distance, self.rng)
+        if self.asked.event.random_missions:
+            # all missions are flown: none of them is to be overlooked
+            u[:, -1] = LARGEST_COORDINATE
         _, high = yield from self.asked.heights(u)
         fails = self.asked.fail(high)[0]
+        if self.betas.size and np.count_nonzero(fails) < FEWEST_SEEN:
+            few = f"only {np.count_nonzero(fails)} of {number} points far out fail"
+            return [f"{few}, too few to tell of other regions of failure"]
         points, heights = u[fails], high[fails]
         while True:
             left = np.flatnonzero(~self._explains(points))
@@ -131,29 +142,31 @@ class DirectionSearch:
             ray = point / length
             begin = yield from self._begins(ray, length)
             begin = min(begin, length)
-            for alpha in (yield from self._towards(begin * ray)):
-                self._add(alpha, (yield from self._begins(alpha, FARTHEST)))
+            for alpha, beta in (yield from self._towards(begin * ray)):
+                along = yield from self._begins(alpha, FARTHEST)
+                # the ray from the origin may miss what lies aside of it, behind the plane
+                self._add(alpha, min(along, beta) if beta > 0.0 else along)
                 if self._explains(point[None, :]).any():
                     break
             else:
                 # the way from there has led back to what is known
-                self._add(ray, begin)
+                self._add(ray, begin, led=False)
         return [
             f"{self.unexplained} of {number} points far out fail where none of "
             f"{len(self.betas)} directions leads"
         ]
 
-    def _explains(self, points: FloatArray) -> np.ndarray:
+    def _explains(self, points: FloatArray) -> BoolArray:
         """Whether each point (k, d) lies beyond, or nearly beyond, a plane that is known."""
         if not self.betas.size:
             return np.zeros(len(points), dtype=np.bool_)
         return np.asarray((points @ self.alphas.T >= EXPLAINED * self.betas).any(axis=1))
 
-    def _towards(self, start: FloatArray) -> Running[list[FloatArray]]:
+    def _towards(self, start: FloatArray) -> Running[list[tuple[FloatArray, float]]]:
         """Walk to the nearest point of a limit state.
 
-        Return the direction of the gradient nearest to it, and that of the first one; none where
-        there is no gradient.
+        Return the direction of the gradient nearest to it, and that of the first one, with the
+        distances of their planes; none where there is no gradient.
         """
         dimension, limit = start.size, float(self.asked.limits[0])
         u, best, found = start, None, []
@@ -167,12 +180,12 @@ class DirectionSearch:
             if not (math.isfinite(slope) and slope > 0.0 and math.isfinite(height)):
                 break
             alpha = gradient / slope
-            found.append(alpha)
             beta = (limit - height) / slope + float(alpha @ u)
+            found.append((alpha, beta))
             foot = min(max(beta, -FARTHEST), FARTHEST) * alpha
             residual = float(np.linalg.norm(u - foot))
             if best is None or residual < best[0]:
-                best = residual, alpha, u, foot
+                best = residual, (alpha, beta), foot
                 u = foot
             else:
                 u = 0.5 * (u + best[2])
@@ -200,23 +213,24 @@ class DirectionSearch:
         segments = yield from line.followed(inner)
         return float(segments.first_failures(1)[0])
 
-    def _add(self, alpha: FloatArray, beta: float) -> None:
+    def _add(self, alpha: FloatArray, beta: float, *, led: bool = True) -> None:
         """Note a direction, or that it is a better one than an old one like it."""
         alike = self.alphas @ alpha > ALIKE
         if math.isinf(beta) or (alike & (self.betas <= beta)).any():
             return
         alphas = np.vstack([self.alphas[~alike], alpha])
         betas = np.append(self.betas[~alike], beta)
+        leds = np.append(self.led[~alike], led)
         order = np.argsort(betas, kind="stable")
-        self.alphas, self.betas = alphas[order], betas[order]
+        self.alphas, self.betas, self.led = alphas[order], betas[order], leds[order]
 
-    def weighty(self) -> tuple[FloatArray, FloatArray]:
-        """Directions (K, d) and distances (K,) of the regions that are not negligible."""
+    def weighty(self) -> tuple[FloatArray, FloatArray, BoolArray]:
+        """Directions (K, d), distances (K,) and `led` (K,) of regions that are not negligible."""
         from scipy.special import ndtr
 
         shares = ndtr(-self.betas)
-        kept = shares >= NEGLIGIBLE * shares.sum()
-        return self.alphas[kept], self.betas[kept]
+        kept = (shares >= NEGLIGIBLE * shares.sum()) | ~self.led
+        return self.alphas[kept], self.betas[kept], self.led[kept]
 
 
 def _far_out(number: int, dimension: int, distance: float, rng: np.random.Generator) -> FloatArray:

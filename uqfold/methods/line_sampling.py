@@ -18,7 +18,7 @@ from uqfold.methods.result import Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_lines import LINE_SAMPLING
 from uqfold.problems.criterion import Criterion
-from uqfold.typing import FloatArray, IntArray
+from uqfold.typing import BoolArray, FloatArray, IntArray
 
 WITHOUT_A_BUDGET = 100
 """Repetitions where neither a number nor a budget is given."""
@@ -142,6 +142,8 @@ class Bundles:
         Source of randomness.
     alphas, betas
         The directions (K, d), and where failure begins along each (K,).
+    led
+        Whether it is known how near the region of each comes to the origin (K,).
     closely
         Whether lines are looked at closely.
     """
@@ -150,6 +152,7 @@ class Bundles:
     rng: np.random.Generator
     alphas: FloatArray
     betas: FloatArray
+    led: BoolArray
     closely: bool = True
     _expected: FloatArray = field(init=False)
     _width: FloatArray = field(init=False)
@@ -192,7 +195,7 @@ class Bundles:
         """Return doubts where lines hardly meet the failures that their direction is there for."""
         from scipy.special import ndtr
 
-        weighty = ndtr(-self.betas) > NOTICED * pf
+        weighty = (ndtr(-self.betas) > NOTICED * pf) | ~self.led
         few = weighty & (self._hits < FEWEST)
         if not few.any():
             return []
