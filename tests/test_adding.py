@@ -113,6 +113,7 @@ def test_a_method_is_one_file_and_one_line(found: dict[str, Any]) -> None:
     assert "uqfold/methods" in found["source"]
 
 
+@pytest.mark.thorough
 def test_nothing_else_breaks_when_a_method_is_added(house: Path) -> None:
     for name in (*BESIDE, "comparison/fakes.py"):
         (house / "tests" / name).parent.mkdir(parents=True, exist_ok=True)

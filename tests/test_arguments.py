@@ -120,15 +120,19 @@ def verdict(name: str, call: Call, parameter: str, key: str) -> str:
     return ""
 
 
-def test_wrong_arguments_are_refused_by_name(table: dict[str, Call]) -> None:
+@pytest.mark.parametrize(
+    "taken", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["wrong", "good here"]
+)
+def test_wrong_arguments_are_refused_by_name(table: dict[str, Call], taken: bool) -> None:
+    """Values that are good in their place are tried too, though most of them take a whole run."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = [
             verdict(name, call, parameter, key)
             for name, call in table.items()
-            for parameter in call.kinds
+            for parameter, kind in call.kinds.items()
             for key in WRONG
-            if key not in call.kinds[parameter].untried
+            if key not in kind.untried and (key in kind.takes) == taken
         ]
     wrong = [one for one in found if one]
     assert not wrong, f"{len(wrong)} of {len(found)} end wrongly:\n" + "\n".join(wrong)

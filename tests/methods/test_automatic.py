@@ -44,6 +44,7 @@ def test_a_smooth_problem_is_answered_by_a_surface_and_checked_on_the_model() ->
     assert result.details.n_evals_of_checks == check <= 2000
 
 
+@pytest.mark.thorough
 def test_what_a_surface_doubts_is_simulated_where_the_surface_leaves_it_open() -> None:
     """Limit states with corners: the surface is a partner, not the answer."""
     problem = named_problem("rp57").problem()

@@ -97,6 +97,7 @@ def independence(
     per_draw = whole("per_draw", per_draw, at_least=1)
     chosen = checked_method(method) or FFNISaddlepoint(check=False)
     opened = checked_evaluator(evaluator)
+    seed = reduced_seed(rng)
     result = chosen.estimate(problem, grid, rng=0, evaluator=opened)
     details = result.details
     if not isinstance(details, FFNIDetails):
@@ -105,7 +106,7 @@ def independence(
             f"method = {chosen.name}: it gives no conditional distributions, give "
             f"uqfold.methods.FFNISaddlepoint() or FFNIPearson(){': ' + reason if reason else ''}"
         )
-    sampled = None if draws is None else _sampled(problem, draws, per_draw, rng, opened)
+    sampled = None if draws is None else _sampled(problem, draws, per_draw, seed, opened)
     rows = []
     for number in numbers:
         correlated = system_failures(details.responses, details.weights, number, grid)
@@ -131,10 +132,10 @@ def independence(
 
 
 def _sampled(
-    problem: Problem, draws: int, per_draw: int, rng: RandomSource, evaluator: Evaluator
+    problem: Problem, draws: int, per_draw: int, seed: int, evaluator: Evaluator
 ) -> FloatArray:
     """Evaluate the model at draws of the shared inputs: responses (draws, per_draw)."""
-    inputs, stream = problem.inputs, block_generator(reduced_seed(rng), 0)
+    inputs, stream = problem.inputs, block_generator(seed, 0)
     shared = stream.standard_normal((draws, inputs.n_shared))
     individual = stream.standard_normal((draws * per_draw, inputs.n_individual))
     u = np.column_stack([np.repeat(shared, per_draw, axis=0), individual])
