@@ -319,7 +319,8 @@ def calls(folder: Path) -> dict[str, Call]:
         "PathSets": Call(uqfold.PathSets, {"sets": numbers([[0, 1]])}),
         "Structure": Call(uqfold.Structure, {"expression": text("a")}),
         "Structure.from_open_psa": Call(
-            uqfold.Structure.from_open_psa, {"path": thing(tree), "top": optional(thing("top"))}
+            uqfold.Structure.from_open_psa,
+            {"path": thing(tree).also("text"), "top": optional(thing("top"))},
         ),
         "Series": Call(uqfold.Series, {}),
         "Problem": Call(
@@ -336,7 +337,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "name": optional(text()),
                 "response": text(),
                 "response_unit": text(),
-                "input_units": optional(thing(["m", "s"])),
+                "input_units": optional(thing(["m", "s"]).also("empty list")),
                 "names": optional(thing(["c", "d"])),
                 "default_criteria": optional(thing(criteria)),
                 "references": optional(thing(references)).also("zero"),

@@ -145,10 +145,9 @@ class Problem:
             raise refused("individual", individual, "give either inputs= or individual=")
         else:
             joint = joint_inputs(inputs, _names_of_shared(shared), names)
-        unit_names = ("",) * joint.dimension
+        given = or_none("input_units", input_units, several, text, empty=True)
         # those of another problem with another number of inputs may say nothing
-        if input_units is not None and tuple(input_units) != ("",) * len(input_units):
-            unit_names = several("input_units", input_units, text, empty=True)
+        unit_names = given if given and any(given) else ("",) * joint.dimension
         if len(unit_names) != joint.dimension:
             raise refused(
                 "input_units", unit_names, f"give one for each of {joint.dimension} inputs"
