@@ -256,7 +256,11 @@ SURFACES = [
 ]
 
 
-@pytest.mark.parametrize("method", SURFACES, ids=lambda method: method.name)
+@pytest.mark.parametrize(
+    "method",
+    [SURFACES[0], pytest.param(SURFACES[1], marks=pytest.mark.thorough)],
+    ids=lambda method: method.name,
+)
 def test_answer_does_not_depend_on_the_number_of_threads(method: SequentialMethod) -> None:
     # one unit: the fits and their answers, without the integration over the shared input
     problem, criteria = CurvedSystem(units=1).problem(), uqfold.criteria(13.0)

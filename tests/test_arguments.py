@@ -146,6 +146,7 @@ def answer(call: Call, given: dict[str, Any]) -> str:
     return re.sub(r"seconds=[^,)]*|at 0x[0-9a-f]*", "", text)
 
 
+@pytest.mark.thorough
 def test_numpy_scalars_are_as_good_as_numbers(table: dict[str, Call]) -> None:
     for name, call in table.items():
         plain = {parameter: kind.good for parameter, kind in call.kinds.items()}

@@ -16,6 +16,7 @@ def house() -> dict[str, Any]:
     return runpy.run_path(str(COMMAND))
 
 
+@pytest.mark.thorough
 def test_the_picture_is_the_present_one(house: dict[str, Any]) -> None:
     """``docs/design.md`` shows the house on one page, drawn by a command from the imports."""
     assert house["main"](["--check"]) == 0, "run python docs/house.py"

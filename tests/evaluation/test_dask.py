@@ -70,6 +70,7 @@ def test_the_wing_deploys_on_a_cluster(cluster: Any) -> None:
         np.testing.assert_array_equal(session.evaluate(x), problem.model(x))
 
 
+@pytest.mark.thorough
 def test_a_worker_that_is_killed_halfway_changes_nothing(cluster: Any, distributed: Any) -> None:
     expected = numbers(models.quadratic)
     with distributed.Client(cluster) as client:

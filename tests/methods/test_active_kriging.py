@@ -96,7 +96,8 @@ def test_converged_means_checked_by_runs_outside_the_training_set() -> None:
         assert details.history_beta.shape == details.history_std.shape
 
 
-@pytest.mark.parametrize("learning", ["u", pytest.param("eff", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("learning", ["u", "eff"])
 def test_classical_learning_functions_find_the_answer_too(learning: LearningFunction) -> None:
     result = ActiveKriging(learning=learning).estimate(FOUR_BRANCH, rng=3)
     truth = exact(FOUR_BRANCH, result.criteria[0])
@@ -419,6 +420,7 @@ def test_the_stated_error_contains_how_far_the_answers_have_moved(
     assert row.std_error == pytest.approx(0.03 * density, rel=0.2)
 
 
+@pytest.mark.thorough
 def test_a_surface_too_coarse_for_the_threshold_is_no_answer() -> None:
     """One response of 5e8 makes a smooth surface lose those near the threshold of 100."""
     cauchy = Problem(

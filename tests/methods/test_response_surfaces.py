@@ -31,7 +31,7 @@ def errors(method: ReliabilityMethod, problem: Problem, seeds: range) -> FloatAr
 
 
 @pytest.mark.parametrize("method", SURFACES, ids=ids)
-@pytest.mark.parametrize("build", [series, four_bar])
+@pytest.mark.parametrize("build", [series, pytest.param(four_bar, marks=pytest.mark.thorough)])
 def test_a_hundred_runs_answer_the_examples(method: ReliabilityMethod, build) -> None:
     found = np.sqrt(np.mean(errors(method, build(), range(1)) ** 2, axis=0))
     # rows reach from 0.5 to 3e-7, with and without tau
@@ -168,6 +168,7 @@ def test_kriging_with_each_trend_and_kernel(trend, kernel) -> None:
     assert row.pf == pytest.approx(0.01472050623593, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_expansion_on_the_nodes_of_ffni_makes_better_use_of_its_runs() -> None:
     problem, seen, count = four_bar(), [], RowCount()
 

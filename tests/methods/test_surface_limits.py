@@ -57,6 +57,7 @@ def test_tau_zero_always_holds_where_only_shared_inputs_count() -> None:
         assert zero.pf == plain.pf == pytest.approx(0.158655, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_tau_below_the_error_of_the_surface_is_doubted() -> None:
     """Units that respond to the shared input alone are equal; a fit sees differences in them."""
 

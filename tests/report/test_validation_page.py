@@ -192,6 +192,7 @@ def test_records_full_of_markup_give_a_report_full_of_text(tmp_path: Path) -> No
     assert root.all("img") == []
 
 
+@pytest.mark.thorough
 def test_nothing_that_records_name_is_imported(tmp_path: Path) -> None:
     record = full_record(tolerance="python -m antigravity")
     write_case_record(record, tmp_path / "a.json")

@@ -52,6 +52,7 @@ def test_a_sharp_feature_is_integrated_along_the_direction_that_leads_to_failure
     assert found.pf == pytest.approx(sharp_pf(2.5), rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_stations_too_far_apart_for_a_sharp_feature_are_an_error() -> None:
     """Lines of 41 stations cannot follow a fourth power of 100: 40 % of pf, at a scatter of 3 %."""
     asked = criteria([2.5])
