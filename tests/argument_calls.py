@@ -187,6 +187,8 @@ WITHOUT_ARGUMENT_CHECKS = {
     "ReliabilityMethod", "methods.SequentialMethod",
     # a scheduler is needed: tests/evaluation/test_dask.py; one line and an exit code: tests/cli
     "evaluation.Dask", "cli.main",
+    # a server is needed: tests/evaluation/test_um_bridge.py
+    "evaluation.UMBridgeModel", "evaluation.ServedProblem",
 }  # fmt: skip
 """Names that only the package itself calls, and those tested elsewhere."""
 

@@ -14,6 +14,7 @@ from uqfold.cli.compare import COMPARE_HELP, compare_methods
 from uqfold.cli.doctor import DOCTOR_HELP, examine
 from uqfold.cli.invocation import AsJson, Interrupts, Invocation, say_json
 from uqfold.cli.report import REPORT_HELP, report_command
+from uqfold.cli.serve import SERVE_HELP, serve_problem
 from uqfold.cli.streams import exit_code_of, flush_streams, open_streams
 from uqfold.cli.validate import VALIDATE_HELP, validate_cases
 from uqfold.comparison.named_problems import available_problems
@@ -102,6 +103,7 @@ app.command(name="compare", help=COMPARE_HELP)(compare_methods)
 app.command(name="benchmark", help=BENCHMARK_HELP)(benchmark_methods)
 app.command(name="report", help=REPORT_HELP)(report_command)
 app.command(name="validate", help=VALIDATE_HELP)(validate_cases)
+app.command(name="serve", help=SERVE_HELP)(serve_problem)
 app.command(name="doctor", help=DOCTOR_HELP)(examine)
 
 

@@ -21,7 +21,7 @@ exit code is 1 if something does not work.
 Example:
   uqfold doctor
 """
-EXTRAS = ("distributed", "xarray", "umbridge", "sphinx", "pytest")
+EXTRAS = ("distributed", "xarray", "sphinx", "pytest")
 """Packages that are not needed, and whether they are there."""
 
 

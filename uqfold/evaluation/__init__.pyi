@@ -19,3 +19,7 @@ from uqfold.evaluation.session import (
     RunningEstimate as RunningEstimate,
 )
 from uqfold.evaluation.store import Store as Store
+from uqfold.evaluation.um_bridge import (
+    ServedProblem as ServedProblem,
+    UMBridgeModel as UMBridgeModel,
+)

@@ -1,0 +1,37 @@
+"""The command ``uqfold serve``: a problem's model over HTTP."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from uqfold.cli.invocation import option, usage
+from uqfold.comparison.named_problems import named_problem
+
+SERVE_HELP = """Serve a problem's model by the UM-Bridge protocol, until Ctrl-C.
+
+Clients in any language then run it as the model of the problem's name, with one vector of inputs.
+
+\b
+Examples:
+  uqfold serve folding-wing
+  uqfold serve my_model.py:problem --port 4243
+"""
+
+
+def serve_problem(
+    problem: Annotated[
+        str, typer.Argument(metavar="PROBLEM", help="A named problem, or FILE.py:FUNCTION.")
+    ],
+    *,
+    port: Annotated[int, option("N", "Where to listen.")] = 4242,
+    host: Annotated[str, option("ADDRESS", "On which address.")] = "127.0.0.1",
+) -> None:
+    """Serve a problem."""
+    from uqfold.evaluation import ServedProblem
+
+    asked = usage(usage(named_problem, problem).problem)
+    with usage(ServedProblem, asked, port, host) as served:
+        typer.echo(f"{asked.name} ({', '.join(asked.inputs.names)}) at {served.url}")
+        served.wait()
