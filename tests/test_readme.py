@@ -2,6 +2,7 @@
 
 import io
 import re
+import runpy
 import shlex
 import tomllib
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ PAGES = [
     "docs/mechanism.md",
     "docs/multifidelity.md",
     "docs/one-answer.md",
+    "docs/own-model.md",
     "docs/rare-events.md",
     "docs/records.md",
     "docs/reports.md",
@@ -49,6 +51,18 @@ def test_python_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
         with pytest.raises(SystemExit, match="0"):
             main(["compare", "series", "--method", "ffni-spa", "--no-figures", "--quiet"])
     exec(compile("\n".join(blocks), page, "exec"), {"__name__": page})
+
+
+def test_the_first_comparison_runs_in_twenty_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    """Five methods on a model of one's own, all within 20 % of the reference."""
+    script = ROOT / "docs" / "first_comparison.py"
+    code = [line for line in script.read_text(encoding="utf-8").splitlines() if line]
+    assert len(code) <= 20
+    frame = runpy.run_path(str(script))["frame"]
+    assert list(frame["label"]) == frame["label"].unique().tolist()
+    assert len(frame) == 5
+    assert (frame["error"] < 0.2).all()
+    assert "reference_pf" in capsys.readouterr().out
 
 
 def test_table_of_methods_is_that_of_the_registry() -> None:

@@ -15,7 +15,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
-    pass
+    import xarray
 
 Status: TypeAlias = Literal[
     "converged", "unchecked", "budget_exhausted", "doubtful", "unsupported", "failed"
@@ -199,6 +199,32 @@ class ReliabilityResult(Tabular[CriterionResult]):
     def seed(self) -> int:
         """Seed from which the run can be repeated."""
         return self.rows[0].seed
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the answers as a grid over ``threshold``, ``tau`` and ``missions``.
+
+        tau and missions are dimensions only where they differ; an infinite tau stands for none.
+        A combination that was not asked holds NaN. What all rows share (method, seed, cost) is in
+        ``attrs``. It needs the package ``xarray`` (the extra of that name).
+
+        Raises
+        ------
+        ImportError
+            If ``xarray`` is not installed.
+        ValueError
+            If a criterion was asked twice.
+        """
+        frame = self.to_frame()
+        shared = ("method", "seed", "seconds", "n_evals", "n_reused", "n_failed")
+        frame["tau"] = frame["tau"].fillna(np.inf)
+        over = [name for name in ("tau", "missions") if frame[name].nunique() > 1]
+        grid = frame.set_index(["threshold", *over])
+        if not grid.index.is_unique:
+            raise ValueError("criteria: one was asked twice, which a grid has no place for")
+        left_out = [*shared, "missions_planned", "missions_p", "tau", "missions"]
+        found: xarray.Dataset = grid.drop(columns=left_out, errors="ignore").to_xarray()
+        rest = [name for name in ("tau", "missions") if name not in over]
+        return found.assign_attrs({name: frame[name].iloc[0] for name in (*shared, *rest)})
 
     def to_records(self) -> list[dict[str, Any]]:
         """One dictionary per row, in the columns of `CriterionResult`."""
