@@ -73,6 +73,9 @@ def test_what_does_not_fit_is_told(served: ServedProblem) -> None:
         gone.run(np.ones(2))
     with pytest.raises(ValueError, match=r"url = .* does not answer"):
         UMBridgeModel(other.url, "sag")
+    port = int(served.url.rpartition(":")[2])
+    with pytest.raises(ValueError, match=f"port = {port}: .* on 127.0.0.1: give another one"):
+        ServedProblem(PROBLEM, port)
     kinds = Problem(sag, individual=PROBLEM.inputs.distribution, units=[uqfold.Unit(sum_of)] * 2)
     with pytest.raises(ValueError, match="give one whose units share one model"):
         ServedProblem(Problem(sag, inputs=PROBLEM.inputs, units=[uqfold.Unit(), *kinds.units[:1]]))

@@ -148,9 +148,7 @@ class ServedProblem:
     Raises
     ------
     TypeError, ValueError
-        If it is not a problem whose units share one model, or the port is out of range.
-    OSError
-        If the port is taken.
+        If it is not a problem whose units share one model, or the port is out of range or taken.
 
     Examples
     --------
@@ -168,7 +166,10 @@ class ServedProblem:
         self.problem = problem
         self._one_at_a_time = threading.Lock()
         at = (text("host", host), whole("port", port, at_least=0, at_most=65_535))
-        self._server = ThreadingHTTPServer(at, _handler(self))
+        try:
+            self._server = ThreadingHTTPServer(at, _handler(self))
+        except OSError as error:
+            raise refused("port", port, f"{error.strerror} on {host}: give another one") from error
         self._server.daemon_threads = True
         self.url = f"http://{host}:{self._server.server_port}"
         self._thread = threading.Thread(

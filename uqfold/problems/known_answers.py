@@ -47,14 +47,14 @@ def reference_table(
     """
     if isinstance(given, ReferenceTable):
         return given
-    kind, how = "given", "as given"
+    kind, how = "value", "given by the caller"
     if hasattr(given, "to_frame") or hasattr(given, "columns"):
         frame: Any = given if hasattr(given, "columns") else given.to_frame()
         answers = _of_a_frame(name, frame, problem)
         told = {"method", "n_evals", "seed"} <= set(frame.columns)
         if told and frame["method"].nunique() == 1:
             run = frame.iloc[0]
-            kind, how = "a method", f"{run['method']}, {run['n_evals']:,} runs, seed {run['seed']}"
+            kind, how = "method", f"{run['method']}, {run['n_evals']:,} runs, seed {run['seed']}"
     elif isinstance(given, Mapping):
         answers = [
             _answer(f"{name}[{key!r}]", _criterion(name, key), value)
