@@ -45,6 +45,7 @@ from uqfold.methods import (
     OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
+    available,
     build,
 )
 from uqfold.methods.factorial_design import FFNIDetails
@@ -52,6 +53,7 @@ from uqfold.methods.kriging import KrigingDetails
 from uqfold.problems.structure import SystemStructure
 from uqfold.system.structure import SystemUnits
 from uqfold.testing.linear_normal import works_as
+from uqfold.testing.linear_units import OFFSETS, STRUCTURES, LinearUnits
 from uqfold.typing import FloatArray
 
 INPUTS = {"shared": {"V": normal(0, 1)}, "individual": {"U": normal(0, 1)}}
@@ -529,6 +531,24 @@ def test_what_a_method_cannot_answer_it_says_before_any_run(name: str) -> None:
     problem = Problem(pump, **INPUTS, units=[*PUMPS, VALVE])
     under_tau = name not in ("ffni-spa", "openturns-form")
     assert (method.supports(problem, Criterion(1.0, tau=1.0)) is None) == under_tau
+
+
+def test_no_public_question_is_unsupported_by_every_method() -> None:
+    """All structures, units and missions; tau in series, where "all of them" has a meaning."""
+    methods = [build(name) for name in available()]
+    for structure, differing in product(STRUCTURES, OFFSETS):
+        problem = LinearUnits(structure, differing).problem()
+        for criterion in (*CRITERIA, Criterion(1.0, tau=1.0)):
+            answering = [m.name for m in methods if m.supports(problem, criterion) is None]
+            if criterion.tau is None:
+                assert {"mc", "conditional-mc", "openturns-mc", *SURFACES} < {*answering}
+            else:
+                assert bool(answering) == isinstance(structure, Series)
+    partnered = replace(LinearUnits(Parallel(), "kinds").problem(), low_fidelity=pump)
+    assert build("multifidelity-mc").supports(partnered, CRITERIA[0]) is not None
+    units = [replace(unit, low_fidelity=unit.model) for unit in partnered.units]  # type: ignore
+    partnered = replace(partnered, units=units)
+    assert build("multifidelity-mc").supports(partnered, CRITERIA[0]) is None
 
 
 def test_units_of_one_kind_are_one_problem() -> None:
