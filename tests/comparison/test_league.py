@@ -112,7 +112,7 @@ def test_the_page_says_what_made_it_and_what_it_does_not_show() -> None:
     assert "2 methods, 2 problems with known answers, 3 seeds" in said
     assert "at most 1,000 evaluations" in said
     assert "| mine | 1 of 2 | 4 of 6 | 4 of 6 | 1 | 1 | +26.0% |" in said
-    assert "| a: T = 0, 1 mission | 4 | 0.100 | 100 | 400 |" in said
+    assert "| a | 4 | 0.100 | 100 | 400 |" in said
     assert "```\nuqfold benchmark\n```" in said
     assert "## What it does not show" in said
     assert report_page(FRAME).markdown() == said

@@ -83,7 +83,9 @@ def _profile(costs: pd.DataFrame, name: str, ax: Axes | None) -> Axes:
     finite = costs.to_numpy()[np.isfinite(costs.to_numpy())]
     low = finite.min() if finite.size else 1.0
     high = max(10.0 * low, 1.2 * finite.max(initial=0.0))
-    for label, look in method_styles(costs.columns).items():
+    looks = method_styles(costs.columns)
+    for label in np.isfinite(costs).sum().sort_values(ascending=False, kind="stable").index:
+        look = looks[label]
         at = np.sort(costs[label])[: np.isfinite(costs[label]).sum()]
         share = np.arange(at.size + 1) / len(costs)
         x, y = [low, *at, high], [*share, share[-1]]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import uqfold
 from uqfold.comparison.league import (
+    INSTANCE,
     REFUTED_BELOW,
     RIGHT_WITHIN,
     USABLE_COV,
@@ -39,7 +40,8 @@ _WORDS = {
 }
 _NOT_SHOWN = """
 - What other settings or another budget would give: a method that is far from its target here may
-  be the best with ten times as much.
+  be the best with ten times as much. Each ends at a target of its own: fewer evaluations may be a
+  lower aim.
 - Models that take long or fail, and systems of several units: limit states of the literature are
   formulas. Times are those of the methods themselves, on one machine that did other work as well.
 - Whether intervals hold to the last per cent: few seeds find only those that are much too narrow.
@@ -85,15 +87,15 @@ def benchmark_page(frame: pd.DataFrame) -> Page:
         If no row has a reference.
     """
     cells, scores = league_cells(frame), problem_scores(frame)
-    budget, days = frame["max_evals"].iloc[0], frame["date"].str[:10]
+    budget, seeds = frame["max_evals"].iloc[0], frame["seed"].nunique()
     page = Page(
         "Which method solves what, and at what cost",
         f"{len(cells)} methods, {scores['problem'].nunique()} problems with known answers, "
-        f"{frame['seed'].nunique()} seeds (one for methods that no seed changes), "
+        f"{seeds} seed{'s' if seeds > 1 else ''} (one for methods that no seed changes), "
         + ("no budget." if math.isinf(budget) else f"at most {budget:,.0f} evaluations an answer."),
         kind="League table of reliability methods",
-        imprint=f"Made by uqfold {uqfold.__version__} from answers of {days.min()} to "
-        f"{days.max()}; no model was run.",
+        imprint=f"Made by uqfold {uqfold.__version__} from answers of "
+        f"{frame['date'].min()} to {frame['date'].max()}; no model was run.",
     )
     belongs = [gid(method=label) for label in cells["method"]]
     page.table(cells, "League table", name="league", belongs=belongs)
@@ -126,8 +128,11 @@ def _costs(scores: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
     rows: dict[str, dict[str, Any]] = {}
+    asked = scores.drop_duplicates(INSTANCE)["problem"].value_counts()
     for one in scores.to_dict("records"):
-        name = f"{one['problem']}: {criterion_text(one, '')}"
+        name = one["problem"]
+        if asked[name] > 1:
+            name = f"{name}: {criterion_text(one, '')}"
         pf = Cell(probability(one["reference_pf"], 3), one["reference_pf"])
         row = rows.setdefault(name, {"question": name, "inputs": one["inputs"], "pf": pf})
         lost = Cell("wrong" if one["wrong"] else "", math.inf, "bad")
