@@ -81,7 +81,7 @@ def benchmark_methods(
         check_writable(out)
     except OSError as error:
         raise typer.BadParameter(f"--out {os_error_text(error)}") from error
-    counted = [0, 0]
+    command, counted = shown_command(["uqfold", *invocation.words]), [0, 0]
     bar = ComparisonProgressBar(["benchmark"], Console(stderr=True, quiet=quiet), unit="answers")
 
     def progress(done: int, asked: int) -> None:
@@ -99,7 +99,7 @@ def benchmark_methods(
             workers=workers if cluster is None else Dask(cluster).client.get_executor(),
             max_seconds=max_seconds,
             progress=progress,
-            command=shown_command(["uqfold", *invocation.words]),
+            command=command,
         )
 
     try:
@@ -113,6 +113,6 @@ def benchmark_methods(
     console = stdout_console(quiet=quiet)
     for line in joined(text_columns(league_cells(frame))):
         console.print(line, soft_wrap=True)
-    written = usage(benchmark_page(frame).write, page)
+    written = usage(benchmark_page(frame, command).write, page)
     names = ", ".join(map(shown_path, [out / ROWS_NAME, *written]))
     console.print(f"\nwritten: {names}", highlight=False, markup=False, soft_wrap=True)

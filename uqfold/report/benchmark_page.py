@@ -73,13 +73,15 @@ def league_cells(frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def benchmark_page(frame: pd.DataFrame) -> Page:
+def benchmark_page(frame: pd.DataFrame, command: str = "") -> Page:
     """Make the page on a benchmark.
 
     Parameters
     ----------
     frame
         Rows of `uqfold.benchmark`, all with one budget.
+    command
+        What makes the page; if empty, the commands that made the rows are told.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def benchmark_page(frame: pd.DataFrame) -> Page:
     page.section("What it does not show", name="not-shown")
     page.text(_NOT_SHOWN)
     page.section("Making it again", name="reproduction")
-    page.code("\n".join(dict.fromkeys(filter(None, frame["command"]))))
+    page.code(command or "\n".join(dict.fromkeys(filter(None, frame["command"]))))
     page.table(frame[["label", "settings"]].drop_duplicates(), "Methods and settings")
     return page
 
