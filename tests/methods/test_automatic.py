@@ -80,11 +80,13 @@ def test_what_no_run_is_left_to_check_is_not_called_checked() -> None:
 
 def test_the_surface_of_a_system_is_checked_by_one_unit() -> None:
     """Twenty missions of four units cost eighty runs a sample, one unit costs one (F3)."""
-    criteria = uqfold.criteria([2.0, 6.0], missions=20)
+    criteria = uqfold.criteria([2.0, 6.0], tau=[None, 4.0], missions=20)
     result = uqfold.estimate(uqfold.problems.series(), criteria, max_evals=600, rng=1)
     assert courses(result) == [("kriging", "answer"), ("guided-sampling", "check")]
-    assert {row.status for row in result} == {"converged"}
-    assert all("one unit on the model fails" in row.message for row in result)
+    assert not any("not checked" in row.message for row in result)
+    for row, criterion in zip(result, result.criteria, strict=True):
+        assert row.status == "converged"
+        assert ("one unit on the model fails" in row.message) == (criterion.tau is None)
 
 
 def test_a_bare_step_is_doubtful_and_bounded() -> None:

@@ -1,6 +1,6 @@
 """Importance sampling on the model, where a cheap partner says that failures are."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import openturns as ot
@@ -8,7 +8,9 @@ import pytest
 from scipy.special import ndtr
 
 import uqfold
+from uqfold.methods.automatic_check import SurfaceModel
 from uqfold.methods.guided_sampling import GuidedSampling
+from uqfold.surrogates.gaussian_process import fit_gaussian_process
 from uqfold.typing import FloatArray
 
 
@@ -59,6 +61,46 @@ def test_a_region_that_the_partner_does_not_know_is_seen_or_doubted() -> None:
     row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=1)[0]
     known = row.status == "converged" and row.pf == pytest.approx(2.0 * TRUE, rel=0.2)
     assert row.status in ("doubtful", "failed") or known
+
+
+@dataclass(frozen=True)
+class _Pupil:
+    """A partner that is right once it has seen the model."""
+
+    taught: tuple[int, ...] = ()
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        return plane(x) if self.taught else turned(x)
+
+    def learned(self, x: FloatArray, y: FloatArray, rng: np.random.Generator) -> "_Pupil":
+        assert np.array_equal(y, plane(x))
+        return _Pupil((*self.taught, len(x)))
+
+
+def test_a_partner_that_can_learn_is_taught_until_it_knows() -> None:
+    """One lesson of a hundred runs, and another one that finds nothing to teach."""
+    problem = replace(PROBLEM, low_fidelity=_Pupil())
+    result = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=1)
+    row, details = result[0], result.details.sets[0]
+    assert row.status == "converged"
+    assert row.pf == pytest.approx(TRUE, rel=0.1)
+    assert details.missed == details.invented == 0
+
+
+def test_a_surface_learns_from_runs_at_its_limit() -> None:
+    """A plane fitted at the centre foretells the bend further out only once it has seen it."""
+    inputs = uqfold.Problem(plane, inputs=ot.Normal(2)).inputs
+    rng = np.random.default_rng(1)
+    u = rng.standard_normal((30, 2))
+    bent = u[:, 0] + 0.1 * u[:, 1] ** 2
+    first = SurfaceModel(fit_gaussian_process(u, u[:, 0] + 0.0 * bent, trend=1, rng=rng), inputs)
+    new = np.column_stack([np.full(40, 3.0), np.linspace(-3.0, 3.0, 40)])
+    there = new[:, 0] + 0.1 * new[:, 1] ** 2
+    taught = first.learned(new, there, rng)
+    assert taught is not None
+    assert np.abs(first(new) - there).max() > 0.8
+    assert np.abs(taught(new) - there).max() < 0.1
+    assert first.learned(np.zeros((2_000, 2)), np.zeros(2_000), rng) is None
 
 
 def test_a_partner_that_never_fails_leads_nowhere() -> None:

@@ -144,8 +144,8 @@ class Automatic(ReliabilityMethod):
         if self.check_runs == 0:
             return []
         task, session = course.task, course.task.session
-        rows = [i for i in answered if 0.0 < course.pf(i) < 1.0]
-        rows = [i for i in rows if task.criteria[i].tau is None] or rows
+        everything = [i for i in answered if 0.0 < course.pf(i) < 1.0]
+        rows = [i for i in everything if task.criteria[i].tau is None] or everything
         before = session.n_evals
 
         def left() -> int:
@@ -173,7 +173,11 @@ class Automatic(ReliabilityMethod):
         systems = left() // max(1, _directions(task, many))
         if seen := [i for i in many if course.pf(i) * systems >= SEEN_FAILURES]:
             course.ask(MonteCarlo(), seen, left(), "check")
-        return [i for i in rows if not course.is_checked(i)]
+        if all(course.is_checked(i) and not course.contradicted(i) for i in rows):
+            for i in everything:
+                if i not in rows:
+                    course.held(i, "the surface holds without tau")
+        return [i for i in everything if not course.is_checked(i)]
 
     def _helped(self, course: Course, rest: list[int], partner: Problem | None) -> list[int]:
         """Simulate rows with a surface as partner; return those that are still open."""

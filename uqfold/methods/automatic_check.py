@@ -6,16 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from uqfold.inputs import JointInputs
 from uqfold.methods.automatic_course import SEEN, Course, differ
 from uqfold.methods.guided_sampling import GuidedDetails, GuidedSampling
 from uqfold.methods.kriging import KrigingDetails
 from uqfold.methods.result import NORMAL_95, Estimate
+from uqfold.methods.warped import WarpedSurface
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.structure import Series
+from uqfold.surrogates.designs import MAX_COORDINATE
+from uqfold.surrogates.gaussian_process import fit_gaussian_process
 from uqfold.typing import FloatArray
 
+MOST_INPUTS, MOST_RUNS = 30, 1_000
+"""A surface of more inputs, or of more runs, learns no more from its checks."""
 THRESHOLDS = 3
 """A surface is checked at so many thresholds at most, from the highest on, until it holds."""
 
@@ -39,6 +46,29 @@ class SurfaceModel:
         """Return responses (n,) to inputs X (n, d)."""
         y: FloatArray = self.surface.mean(self.inputs.to_standard_normal(x))
         return y
+
+    def learned(
+        self, x: FloatArray, y: FloatArray, rng: np.random.Generator
+    ) -> SurfaceModel | None:
+        """Return the surface of the same runs and further ones, rougher than it may have been.
+
+        None with too many inputs or runs: fits take too long then.
+        """
+        warp = self.surface.warp if isinstance(self.surface, WarpedSurface) else None
+        fitted = self.surface if warp is None else self.surface.surface
+        if self.inputs.dimension > MOST_INPUTS or fitted.y.size + y.size > MOST_RUNS:
+            return None
+        u = self.inputs.to_standard_normal(x)
+        y = y if warp is None else warp(y)
+        near = np.isfinite(y) & (np.abs(u).max(axis=1) <= MAX_COORDINATE)
+        process = fit_gaussian_process(
+            np.concatenate([fitted.u, u[near]]),
+            np.concatenate([fitted.y, y[near]]),
+            trend=1,
+            kernel="matern52",
+            rng=rng,
+        )
+        return SurfaceModel(process if warp is None else WarpedSurface(process, warp), self.inputs)
 
 
 def as_partner(details: object, problem: Problem) -> Problem | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from uqfold.methods.result import Estimate
 from uqfold.methods.subset_climb import piloted
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, Model
 
 PARTNER_RUNS = 40_000
 """Runs of the partner that lead to its failures, and as many again for their number."""
@@ -29,6 +29,27 @@ BLOCK, FEWEST = 100, 200
 AIM = 0.6
 """An answer goes on to so much of its target, since whoever stops as soon as an error looks small
 stops where it looks smaller than it is."""
+
+LESSONS, LESSON, PART_OF_LESSON = 3, 100, 8
+"""A partner that can learn gets so many lessons of so many runs, each one part in so many of the
+runs that are left at most."""
+KNOWN = 0.05
+"""A partner that is wrong about no more than this share of the failures learns no more."""
+GOOD_GUIDE = 0.5
+"""Where it is wrong about more than this share, the density is fitted to failures of the model."""
+
+
+@runtime_checkable
+class Learner(Protocol):
+    """A partner that can learn from runs of the model."""
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Return responses (n,) to inputs X (n, d)."""
+        ...
+
+    def learned(self, x: FloatArray, y: FloatArray, rng: np.random.Generator) -> Learner | None:
+        """Return what it has become by responses y (n,) of the model; None: it learns no more."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -74,8 +95,9 @@ class GuidedSampling(RareEventMethod):
         Stop once the relative standard error is at most this. A row with a larger one is
         ``doubtful``.
     refined
-        Whether the density is first fitted to failures of the model, by rounds of runs that do not
-        count for the answer; without a failure worth fitting there is no answer.
+        Whether runs that do not count for the answer are made first: they teach a partner that can
+        learn, and where it is wrong all the same, the density is fitted to failures of the model.
+        Without a failure worth fitting there is no answer.
 
     Raises
     ------
@@ -103,13 +125,15 @@ class GuidedSampling(RareEventMethod):
     ) -> Running[tuple[list[Estimate], GuidedDetails | None]]:
         kinds = asked.event.problem.kinds
         assert kinds.partner is not None
-        session = Evaluator().session(kinds.partner, kinds.columns, None)
-        by_partner = replace(asked, session=session, most=PARTNER_RUNS)
-        guide = ImportanceSearch(by_partner, rng, float(asked.event.max_evals_per_sample))
-        if note := _driven(_found(guide), session.evaluate):
+        guide, note = _guide(asked, kinds.partner, rng)
+        if note:
             return [Estimate.without_answer("failed", f"by the partner: {note}")], None
+        good = True
+        if self.refined:
+            guide, good = yield from self._taught(asked, guide)
+        by_partner, session = guide.asked, guide.asked.session
         search = replace(guide, asked=asked, rounds=[])
-        if self.refined and search.mixture is not None:
+        if search.mixture is not None and not good:
             yield from search.refine()
             if note := self._useless(search):
                 return [Estimate.without_answer("failed", note)], None
@@ -117,7 +141,7 @@ class GuidedSampling(RareEventMethod):
         guide = replace(search, asked=replace(by_partner, most=session.n_evals + PARTNER_RUNS))
         while not sums.partner_precise(self._aim) and guide.affordable:
             size = min(guide.affordable, guide.most_at_once, PARTNER_RUNS // 4)
-            sums.add_partner(_driven(guide.drawn(size), session.evaluate))
+            sums.add_partner(driven(guide.drawn(size), session.evaluate))
         by_partner = replace(by_partner, most=sys.maxsize)
         short = yield from self._summed(search, by_partner, sums, session.evaluate)
         overlooked = search.overlooked(sums.largest)
@@ -131,6 +155,39 @@ class GuidedSampling(RareEventMethod):
             missed=sums.missed,
             invented=sums.invented,
         )
+
+    def _taught(
+        self, asked: NestedCriteria, guide: ImportanceSearch
+    ) -> Running[tuple[ImportanceSearch, bool]]:
+        """Compare model and partner where the partner fails, and let one that can learn do so.
+
+        Also return whether it is a good guide.
+        """
+        partner = asked.event.problem.kinds.partner
+        size = LESSON // asked.event.max_evals_per_sample
+        good = True
+        for _ in range(LESSONS):
+            few = size == 0 or asked.left < LESSON * PART_OF_LESSON
+            if few or guide.mixture is None:
+                break
+            u = guide.mixture.draw(size, guide.rng)[:, : asked.event.dimension]
+            known = driven(guide.asked.heights(u), guide.asked.session.evaluate)[1]
+            x = asked.event.rows(u)
+            y = yield x
+            fails = asked.fail(asked.event.bounds_of(u, y)[1])[0]
+            wrong = np.count_nonzero(fails != asked.fail(known)[0])
+            hits = np.count_nonzero(fails)
+            good = bool(wrong <= GOOD_GUIDE * hits)
+            if wrong <= KNOWN * hits or not isinstance(partner, Learner):
+                break
+            partner = partner.learned(x, y, guide.rng)
+            if partner is None:
+                break
+            taught, note = _guide(asked, partner, guide.rng)
+            if note:
+                break
+            guide = taught
+        return guide, good
 
     @property
     def _aim(self) -> float:
@@ -164,7 +221,7 @@ class GuidedSampling(RareEventMethod):
                     break
                 drawn = yield from search.drawn(size)
                 u = drawn.u[:, : asked.event.dimension]
-                heights = _driven(by_partner.heights(u), evaluate)
+                heights = driven(by_partner.heights(u), evaluate)
                 sums.add(drawn, by_partner.fail(heights[1])[0])
         except (TimeLimitError, BudgetExceededError) as error:
             if sums.n < FEWEST:
@@ -173,6 +230,16 @@ class GuidedSampling(RareEventMethod):
         if sums.n == 0:
             raise BudgetExceededError("no runs are left for samples")
         return []
+
+
+def _guide(
+    asked: NestedCriteria, partner: Model, rng: np.random.Generator
+) -> tuple[ImportanceSearch, str]:
+    """Return the density that follows the failures of a partner, and why there is none."""
+    session = Evaluator().session(partner, asked.event.problem.kinds.columns, None)
+    by_partner = replace(asked, session=session, most=PARTNER_RUNS)
+    guide = ImportanceSearch(by_partner, rng, float(asked.event.max_evals_per_sample))
+    return guide, driven(_found(guide), session.evaluate)
 
 
 def _found(guide: ImportanceSearch) -> Running[str]:
@@ -189,7 +256,7 @@ def _found(guide: ImportanceSearch) -> Running[str]:
     return note
 
 
-def _driven(steps: Running[T], evaluate: Callable[[FloatArray], FloatArray]) -> T:
+def driven(steps: Running[T], evaluate: Callable[[FloatArray], FloatArray]) -> T:
     """Run steps to their end with a model at hand."""
     try:
         x = next(steps)
