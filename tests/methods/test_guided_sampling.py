@@ -58,9 +58,10 @@ def test_a_wrong_partner_biases_nothing() -> None:
 def test_a_region_that_the_partner_does_not_know_is_seen_or_doubted() -> None:
     """Half of the failures lie on the other side."""
     problem = replace(PROBLEM, model=either, low_fidelity=plane)
-    row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=1)[0]
-    known = row.status == "converged" and row.pf == pytest.approx(2.0 * TRUE, rel=0.2)
-    assert row.status in ("doubtful", "failed") or known
+    for seed in range(3):
+        row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=seed)[0]
+        known = row.status == "converged" and row.pf == pytest.approx(2.0 * TRUE, rel=0.2)
+        assert row.status in ("doubtful", "failed") or known
 
 
 @dataclass(frozen=True)

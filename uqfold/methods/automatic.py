@@ -12,9 +12,11 @@ from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.automatic_check import THRESHOLDS, as_partner, check_of_one_unit
 from uqfold.methods.automatic_course import Course, MethodTried
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.directional_sampling import DirectionalSampling
 from uqfold.methods.guided_sampling import GuidedSampling
 from uqfold.methods.importance_sampling import ImportanceSampling
 from uqfold.methods.kriging import Kriging
+from uqfold.methods.line_sampling import LineSampling
 from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
 from uqfold.methods.result import ReliabilityResult
@@ -37,6 +39,8 @@ FREQUENT, ENOUGH_FAILURES = 50.0, 150.0
 criteria, or directions, and of few."""
 MOST_DIRECTIONS, MOST_ALONE = 4, 3
 """Units times missions, and criteria, up to which importance sampling is the sampler."""
+MANY_INPUTS, PART_OF_LINES = 20, 3
+"""With more inputs lines are tried, and then rays, each by one part in so many of what is left."""
 SEEN_FAILURES = 20.0
 """Failures that a check of whole systems is expected to see, or it is not made."""
 
@@ -129,7 +133,7 @@ class Automatic(ReliabilityMethod):
             rest = [
                 i for i in everything if i not in answered or i in unseen or course.contradicted(i)
             ]
-            rest = self._helped(course, rest, partner)
+            rest = self._along_lines(course, self._helped(course, rest, partner))
             if rest and session.remaining >= FEWEST_OF_SIMULATION:
                 course.ask(self._simulation(task, rest), rest, session.remaining, "answer")
             nothing = 0 < session.n_failed == session.n_evals
@@ -184,7 +188,7 @@ class Automatic(ReliabilityMethod):
         task, session = course.task, course.task.session
         if partner is None:
             return rest
-        few = _directions(task, rest) <= MOST_DIRECTIONS and len(rest) <= MOST_ALONE
+        few = _few(task, rest)
         wanted = ENOUGH_FAILURES if few else FREQUENT
         frequent = [i for i in rest if course.pf(i) * session.remaining > wanted]
         if frequent and session.remaining >= FEWEST_OF_SIMULATION:
@@ -197,11 +201,34 @@ class Automatic(ReliabilityMethod):
             rest = [i for i in rest if course.status(i) != "converged"]
         return rest
 
+    def _along_lines(self, course: Course, rest: list[int]) -> list[int]:
+        """Answer rows of many inputs along lines or rays; return those that are still open.
+
+        A direction, or all of them alike, may be all that matters: what a density of many
+        variables is fitted to with much effort, lines find with a few hundred runs, or not at all.
+        """
+        task, session = course.task, course.task.session
+        if task.problem.kinds.dimension <= MANY_INPUTS or not _few(task, rest):
+            return rest
+        for method in (
+            LineSampling(target_cov=self.target_cov),
+            DirectionalSampling(target_cov=self.target_cov),
+        ):
+            if rest and session.remaining >= FEWEST_OF_SIMULATION:
+                course.ask(method, rest, session.remaining // PART_OF_LINES, "answer")
+                rest = [i for i in rest if course.status(i) != "converged"]
+        return rest
+
     def _simulation(self, task: Task, rows: Sequence[int]) -> ReliabilityMethod:
         """Return the sampler: a density cannot be fitted to many directions of failure."""
-        if _directions(task, rows) <= MOST_DIRECTIONS and len(rows) <= MOST_ALONE:
+        if _few(task, rows):
             return ImportanceSampling(target_cov=self.target_cov)
         return SubsetSimulation(target_cov=self.target_cov)
+
+
+def _few(task: Task, rows: Sequence[int]) -> bool:
+    """Whether each row may have runs of its own, and a density that is fitted to its failures."""
+    return _directions(task, rows) <= MOST_DIRECTIONS and len(rows) <= MOST_ALONE
 
 
 def _directions(task: Task, rows: Sequence[int]) -> int:

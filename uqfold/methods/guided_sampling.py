@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,7 +20,7 @@ from uqfold.methods.result import Estimate
 from uqfold.methods.subset_climb import piloted
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
-from uqfold.typing import FloatArray, Model
+from uqfold.typing import BoolArray, FloatArray, Model
 
 PARTNER_RUNS = 40_000
 """Runs of the partner that lead to its failures, and as many again for their number."""
@@ -35,6 +36,10 @@ LESSONS, LESSON, PART_OF_LESSON = 3, 100, 8
 runs that are left at most."""
 KNOWN = 0.05
 """A partner that is wrong about no more than this share of the failures learns no more."""
+LOOK, MOST_SEEN, RARE, UNKNOWN = 2, 10, 30.0, 0.25
+"""With up to so many variables a lesson has half as many runs again elsewhere, as far out. Where
+more than this share of the failures there is so many times rarer among the samples than usual, the
+partner leads to a part of the failures only."""
 GOOD_GUIDE = 0.5
 """Where it is wrong about more than this share, the density is fitted to failures of the model."""
 
@@ -130,7 +135,9 @@ class GuidedSampling(RareEventMethod):
             return [Estimate.without_answer("failed", f"by the partner: {note}")], None
         good = True
         if self.refined:
-            guide, good = yield from self._taught(asked, guide)
+            guide, good, note = yield from self._taught(asked, guide)
+            if note:
+                return [Estimate.without_answer("failed", f"the partner: {note}")], None
         by_partner, session = guide.asked, guide.asked.session
         search = replace(guide, asked=asked, rounds=[])
         if search.mixture is not None and not good:
@@ -142,6 +149,9 @@ class GuidedSampling(RareEventMethod):
         while not sums.partner_precise(self._aim) and guide.affordable:
             size = min(guide.affordable, guide.most_at_once, PARTNER_RUNS // 4)
             sums.add_partner(driven(guide.drawn(size), session.evaluate))
+        if self.refined and sums.partner_error > self.target_cov * sums.partner_pf:
+            why = "what the partner fails is not sampled well enough by the density fitted to it"
+            return [Estimate.without_answer("failed", why)], None
         by_partner = replace(by_partner, most=sys.maxsize)
         short = yield from self._summed(search, by_partner, sums, session.evaluate)
         overlooked = search.overlooked(sums.largest)
@@ -158,36 +168,42 @@ class GuidedSampling(RareEventMethod):
 
     def _taught(
         self, asked: NestedCriteria, guide: ImportanceSearch
-    ) -> Running[tuple[ImportanceSearch, bool]]:
+    ) -> Running[tuple[ImportanceSearch, bool, str]]:
         """Compare model and partner where the partner fails, and let one that can learn do so.
 
-        Also return whether it is a good guide.
+        Also return whether it is a good guide, and why it is none at all.
         """
         partner = asked.event.problem.kinds.partner
         size = LESSON // asked.event.max_evals_per_sample
-        good = True
+        good, note = True, ""
         for _ in range(LESSONS):
             few = size == 0 or asked.left < LESSON * PART_OF_LESSON
             if few or guide.mixture is None:
                 break
-            u = guide.mixture.draw(size, guide.rng)[:, : asked.event.dimension]
+            drawn = guide.mixture.draw(size, guide.rng)
+            if asked.event.dimension <= MOST_SEEN:
+                drawn = np.concatenate([drawn, _all_around(drawn, size // LOOK, guide.rng)])
+            u = drawn[:, : asked.event.dimension]
             known = driven(guide.asked.heights(u), guide.asked.session.evaluate)[1]
             x = asked.event.rows(u)
             y = yield x
             fails = asked.fail(asked.event.bounds_of(u, y)[1])[0]
             wrong = np.count_nonzero(fails != asked.fail(known)[0])
+            unknown = _lost(guide.mixture.log_ratio(drawn), fails, size) > UNKNOWN
             hits = np.count_nonzero(fails)
             good = bool(wrong <= GOOD_GUIDE * hits)
-            if wrong <= KNOWN * hits or not isinstance(partner, Learner):
+            note = "it knows nothing of failures elsewhere" if unknown else ""
+            knows = wrong <= KNOWN * hits and not unknown
+            if knows or not isinstance(partner, Learner):
                 break
             partner = partner.learned(x, y, guide.rng)
             if partner is None:
                 break
-            taught, note = _guide(asked, partner, guide.rng)
-            if note:
+            taught, lost = _guide(asked, partner, guide.rng)
+            if lost:
                 break
             guide = taught
-        return guide, good
+        return guide, good, note
 
     @property
     def _aim(self) -> float:
@@ -230,6 +246,32 @@ class GuidedSampling(RareEventMethod):
         if sums.n == 0:
             raise BudgetExceededError("no runs are left for samples")
         return []
+
+
+def _all_around(u: FloatArray, size: int, rng: np.random.Generator) -> FloatArray:
+    """Return points (size, d) in all directions, as far out as some of the points u (n, d)."""
+    directions = rng.standard_normal((size, u.shape[1]))
+    far = np.linalg.norm(u[rng.integers(len(u), size=size)], axis=1)
+    directions *= (far / np.linalg.norm(directions, axis=1))[:, None]
+    return directions
+
+
+def _lost(log_ratio: FloatArray, fails: BoolArray, size: int) -> float:
+    """Return the share of failures all around that lie where hardly a sample of the density does.
+
+    Parameters
+    ----------
+    log_ratio
+        Logarithm of the density (n,) over that of the inputs.
+    fails
+        Which points (n,) fail.
+    size
+        How many of them, the first ones, come from the density.
+    """
+    usual, around = log_ratio[:size][fails[:size]], log_ratio[size:][fails[size:]]
+    if not usual.size or not around.size:
+        return float(around.size > 0)
+    return float(np.mean(around < np.median(usual) - math.log(RARE)))
 
 
 def _guide(
