@@ -200,6 +200,10 @@ def test_a_wide_simulation_does_not_replace_a_surface_within_its_interval() -> N
     assert row.status == "doubtful"
     assert "runs would be enough" not in row.message
     assert "parrot found 0.04 +- 0.03, doubtful" in row.message
+    # one that rests on a single sample lies too low, and is no bound for a surface
+    low = replace(wide, pf=1e-9, std_error=8e-10, ci_low=1e-12, ci_high=4e-9)
+    row = best_of(BY_SURFACE, low)
+    assert (row.pf, row.ci_low, row.ci_high) == (1.37e-2, 1e-12, 1.37e-2)
     # what is doubted for other reasons than its width no number of runs makes good
     alone = best_of(wide)
     assert alone.pf == 4e-2

@@ -20,6 +20,9 @@ SEEN = 0.25
 WIDE = 0.25
 """A doubtful simulation that is wider than this knows less than a surface within its interval."""
 
+HARDLY = 0.5
+"""One that is wider than this, and in doubt for other reasons, knows hardly anything."""
+
 
 @dataclass(frozen=True)
 class MethodTried:
@@ -237,13 +240,19 @@ def _merit(estimate: Estimate) -> tuple[bool, float]:
 
 
 def _within(best: _Told, possible: Sequence[_Told]) -> _Told | None:
-    """Return a surface within the interval of a simulation that is too wide to know better."""
+    """Return a surface that a simulation too wide to know better does not contradict, or None.
+
+    One that rests on a single sample or so is mostly too low, and bounds nothing above.
+    """
     one = best.estimate
     if one.error_kind != "sampling" or one.stated_error <= WIDE * one.pf:
         return None
+    nothing = not best.bounds and one.stated_error > HARDLY * one.pf
     for other in possible:
         guess = other.estimate
-        if guess.error_kind != "sampling" and one.ci_low <= guess.pf <= one.ci_high:
+        if guess.error_kind == "sampling":
+            continue
+        if one.ci_low <= guess.pf <= one.ci_high or (nothing and guess.pf > one.pf):
             return other
     return None
 
@@ -254,10 +263,10 @@ def _with_interval(guess: Estimate, simulated: Estimate) -> Estimate:
         guess,
         std_error=math.nan,
         ci_low=simulated.ci_low,
-        ci_high=simulated.ci_high,
+        ci_high=max(guess.pf, simulated.ci_high),
         ci_kind=simulated.ci_kind,
         pf_low=simulated.pf_low,
-        pf_high=simulated.pf_high,
+        pf_high=guess.pf if simulated.pf_high is None else max(guess.pf, simulated.pf_high),
         error_kind="sampling",
         status="doubtful",
     )
