@@ -97,6 +97,7 @@ def test_a_bare_step_is_doubtful_and_bounded() -> None:
     assert not row.ci_high < 2.8665e-07
 
 
+@pytest.mark.slow
 def test_a_surface_without_an_error_is_not_believed_against_runs_of_the_model() -> None:
     """It said 9e-3 of a corner that fails once in ten million runs."""
     problem = named_problem("genz-corner").problem()
@@ -128,9 +129,9 @@ def test_a_surface_of_a_system_that_the_model_contradicts_is_not_believed(
 ) -> None:
     """Runs of one unit find out a surface that is wrong where failure begins."""
     told = SurfaceModel.__call__
-    monkeypatch.setattr(SurfaceModel, "__call__", lambda self, x: told(self, x) - 0.5)
+    monkeypatch.setattr(SurfaceModel, "__call__", lambda self, x: told(self, x) - 0.25)
     criteria = uqfold.criteria(6.0, missions=20)
-    row = uqfold.estimate(uqfold.problems.series(), criteria, max_evals=400, rng=1)[0]
+    row = uqfold.estimate(uqfold.problems.series(), criteria, max_evals=700, rng=1)[0]
     assert row.status == "doubtful"
     assert "answers contradict each other" in row.message
 
