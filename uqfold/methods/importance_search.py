@@ -239,7 +239,7 @@ class ImportanceSearch:
         return np.asarray(-self.mixture.log_ratio(u) > usual + math.log(RARE))
 
     def _cover(self, u: FloatArray, weights: FloatArray) -> None:
-        """Give lost failures components of their own, from new ones u (n, d) if they are enough.
+        """Add components that follow lost failures, from new ones u (n, d) if they are enough.
 
         A region that few climbs have entered may have much of pf all the same.
         """
