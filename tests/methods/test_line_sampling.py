@@ -207,6 +207,20 @@ def test_a_budget_too_small_is_kept_and_doubtful(method: ReliabilityMethod, budg
     assert rows[0].ci_low <= ndtr(-4.0) <= rows[0].ci_high
 
 
+def test_a_run_that_fails_at_the_median_and_a_pole_are_no_error() -> None:
+    """Both were `failed`, with an error of our own."""
+
+    def lost(x: FloatArray) -> FloatArray:
+        return np.where(np.abs(x[:, 0]) < 0.02, np.nan, x[:, 0])
+
+    row = LINES.estimate(standard_normal(lost), Criterion(3.0), max_evals=1_500, rng=1)[0]
+    assert (row.status, row.ci_low <= ndtr(-3.0) <= row.ci_high) == ("doubtful", True)
+    pole = standard_normal(lambda x: 1.0 / (3.0 - x[:, 0]))
+    row = LINES.estimate(pole, Criterion(1.5), max_evals=400, rng=1)[0]
+    assert row.status == "doubtful"
+    assert row.ci_low <= ndtr(3.0) - ndtr(7.0 / 3.0) <= row.ci_high
+
+
 @pytest.mark.slow
 @BOTH
 def test_intervals_hold_in_1000_seeds(method: ReliabilityMethod) -> None:

@@ -202,7 +202,7 @@ class DirectionSearch:
         return float(high[0]), np.where(np.isfinite(rise), rise, 0.0)
 
     def _begins(self, ray: FloatArray, reach: float) -> Running[float]:
-        """How far out failure begins along a ray; +inf if it does not."""
+        """How far out failure begins along a ray, 0 at the origin; +inf if it does not."""
         inner = reach * np.linspace(0.2, 0.8, 4)[None, :]
         line = Lines(
             self.asked, np.zeros((1, ray.size)), ray[None, :], normal_law(), np.zeros(1),
@@ -211,7 +211,7 @@ class DirectionSearch:
         if self.affordable < 2 * inner.size:
             return math.inf
         segments = yield from line.followed(inner)
-        return float(segments.first_failures(1)[0])
+        return max(0.0, float(segments.first_failures(1)[0]))
 
     def _add(self, alpha: FloatArray, beta: float, *, led: bool = True) -> None:
         """Note a direction, or that it is a better one than an old one like it."""

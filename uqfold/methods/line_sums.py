@@ -225,10 +225,15 @@ class Rounds:
 
     def answer(self, doubts: list[str], rng: np.random.Generator) -> Running[Estimate]:
         """Return the answer; see `combined`. Runs too few for two repetitions go into a count."""
-        if self.made < 2:
-            few = ["the runs are too few for lines"]
+        few = ["the runs are too few for lines"]
+        if self.made < 2 and self.asked.left >= self.asked.event.max_evals_per_sample:
             return (yield from Sample().counted(self.asked, self.target, few, rng))
         target = TARGET_COV if self.target is None else self.target
+        if self.made < 2:
+            return Estimate(
+                0.0, ci_low=0.0, ci_high=1.0, ci_kind="upper bound 95 %", error_kind="sampling",
+                status="doubtful", message=few[0],
+            )  # fmt: skip
         high, low = (self.together(name) for name in ("high", "low"))
         total = float(high.sum())
         if total <= 0.0:
