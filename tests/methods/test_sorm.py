@@ -131,3 +131,11 @@ def test_systems_and_small_budgets() -> None:
         rows = METHOD.estimate(one, asked, max_evals=budget)
         assert rows.n_evals <= budget
         assert "converged" not in [row.status for row in rows]
+
+
+def test_what_no_run_brings_to_its_limit_always_fails() -> None:
+    """The plane that an unfinished search left gave 0.5, under a message that said otherwise."""
+    problem = standard_normal(lambda x: 3.0 + x[:, 0] ** 2, 2)
+    row = SORM().estimate(problem, criteria(2.0), rng=1)[0]
+    assert (row.pf, row.status) == (1.0, "doubtful")
+    assert "taken for one that always fails" in row.message

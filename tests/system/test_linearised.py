@@ -8,9 +8,11 @@ from scipy.special import ndtr
 
 from uqfold.problems.criterion import Binomial
 from uqfold.problems.structure import KOutOfN, Parallel
+from uqfold.system import linearised_units
 from uqfold.system.linearised import linearised_failure, linearised_failures
-from uqfold.system.linearised_units import Planes, failure_of_planes
+from uqfold.system.linearised_units import Planes, PlanesGiven, failure_of_planes
 from uqfold.system.structure import SystemUnits, diagram
+from uqfold.typing import FloatArray
 
 
 def two_units_fail(beta: float, rho: float) -> float:
@@ -129,6 +131,23 @@ def test_units_that_differ_share_as_many_factors_as_directions(
     basis = np.linalg.qr(np.ones((5, k)) + np.eye(5, k))[0]
     turned = replace(planes, shared=planes.shared @ basis.T)
     assert failure_of_planes(turned, units, 2).pf == pytest.approx(found.pf, rel=1e-6)
+
+
+def test_one_place_alone_may_have_all_the_weight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The spread of places was divided by zero, with a warning of NumPy."""
+
+    class Places:
+        def draw(self, count: int, rng: object) -> FloatArray:
+            return np.where(np.arange(count)[:, None] == 7, [[0.0, 9.0]], 0.0)
+
+        def log_density(self, z: FloatArray) -> FloatArray:
+            return np.zeros(len(z))
+
+    monkeypatch.setattr(linearised_units, "failure_places", lambda *_: Places())
+    planes = Planes(np.array([8.0, 8.0]), np.array([[1.0, 0.0], [0.0, 1.0]]))
+    units = SystemUnits(2, of_sorts=np.array([0, 1]), offsets=np.zeros(2), of_kinds=np.arange(2))
+    drawn = PlanesGiven(planes, units, 1).drawn(0, 5, np.random.default_rng(1))
+    np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 9.0)
 
 
 def test_many_factors_are_drawn_where_the_system_fails() -> None:

@@ -18,7 +18,7 @@ from uqfold.methods.design_point_check import LEAST, Surroundings, index_moved
 from uqfold.methods.openturns_form import OpenTURNSFORM, design_points, searched
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
-from uqfold.methods.standard_space import NoGradientError, StandardSpaceResponse
+from uqfold.methods.standard_space import StandardSpaceResponse
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import SORM as THEORY
 from uqfold.problems.base import Problem
@@ -122,11 +122,7 @@ class SORM(ReliabilityMethod):
 
     def _solve(self, task: Task) -> Solution:
         form = replace(self.search, starts=max(2, self.search.starts))
-        try:
-            done = searched(form, task)
-        except NoGradientError as error:
-            failed = Estimate.without_answer("failed", f"no design point: {error}")
-            return Solution([failed] * len(task.criteria))
+        done = searched(form, task)
         points = task.summed_up(lambda _: design_points(done.found, task.problem.kinds.inputs))
         response, start = done.responses[0], done.starts[0]
         looked: dict[float, SecondOrder] = {}
@@ -169,7 +165,7 @@ class SORM(ReliabilityMethod):
         if status == "failed":
             return Estimate.without_answer("failed", message), None
         plane = Estimate(
-            *system.pf(search.best.beta(search.threshold)),
+            *system.pf(search.beta),
             status="doubtful" if status == "unchecked" else status,
             message=f"first order only: {message or 'no second look'}",
         )

@@ -134,7 +134,8 @@ class PlanesGiven:
         places = failure_places(lambda z: self(z.T)[which][None], self.n_factors, rng)
         tried = places.draw(_TRIED, rng)
         weights = self(tried.T)[which] * np.exp(-places.log_density(tried))
-        spread = np.cov(tried.T, aweights=weights).reshape(self.n_factors, -1)
+        # one place alone may have all the weight
+        spread = np.cov(tried.T, aweights=weights, ddof=0).reshape(self.n_factors, -1)
         widest = np.linalg.eigh(spread)[1][:, -1]
         order = np.argsort(tried @ widest * math.copysign(1.0, widest.sum()))
         ends = np.cumsum(weights[order])
