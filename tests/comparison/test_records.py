@@ -269,7 +269,7 @@ def test_the_code_in_the_documentation_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = (Path(__file__).parents[2] / "docs" / "records.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    code, *_ = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     written = toy_frame()
     write_records(written, tmp_path / "uqfold-results" / "series")
     monkeypatch.chdir(tmp_path)
