@@ -390,6 +390,24 @@ def test_planes_are_looked_at_where_units_that_differ_fail_together(
         assert row.status == "doubtful"
 
 
+def test_many_units_whose_failure_is_hardly_met_are_doubted() -> None:
+    """151 in parallel, 18 % off and ``converged``: all places that were looked at were the same."""
+
+    def of(a: float, b: float, c: float) -> Any:
+        return lambda x: a * x[:, 0] + c * x[:, 0] ** 2 + b * x[:, 1]
+
+    first, second = of(0.378, 0.483, 0.176), of(0.802, 0.475, 0.212)
+    units = [
+        Unit(own, offset=offset)
+        for own in (first, second)
+        for offset in (-0.4, 0.0, 0.3)
+        for _ in range(25)
+    ]
+    problem = Problem(first, **INPUTS, units=units, structure=Parallel())
+    row = OpenTURNSFORM().estimate(problem, Criterion(6.0, missions=3))[0]
+    assert row.status == "doubtful"
+
+
 def test_more_directions_than_are_integrated_on_a_grid() -> None:
     """The error of a drawn integral in series was taken for one of the system, and doubted."""
     inputs = {"shared": [normal(0, 1)] * 4, "individual": {"U": normal(0, 1)}}

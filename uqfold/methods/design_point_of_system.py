@@ -113,6 +113,9 @@ def look_at_system(
     rng = np.random.default_rng(0)
     given = [PlanesGiven(one, units, missions) for one in (planes, nearer)]
     places = np.concatenate([one.drawn(rarer, PLACES // 2, rng) for one in given])
+    if given[0].n_factors and len(np.unique(places @ given[0].span.T, axis=0)) < PLACES // 2:
+        # hardly any of the places that were tried lies where the system fails
+        return SystemLook(math.inf, nowhere)
     by_planes = [one.at(places)[rarer] for one in given]
     density = sum(chance / whole for chance, whole in zip(by_planes, both, strict=True)) / 2.0
     indices = [

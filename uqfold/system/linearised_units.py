@@ -126,7 +126,8 @@ class PlanesGiven:
     def drawn(self, which: int, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw shared variables (count, s) where the system fails (which = 0) or works (1).
 
-        They are spread evenly over the direction in which such places vary most.
+        They are spread evenly over the direction in which such places vary most; all are the same
+        where none, or one, of those that are tried has any weight.
         """
         free = rng.standard_normal((count, self.span.shape[1]))
         if self.n_factors == 0:
@@ -134,6 +135,8 @@ class PlanesGiven:
         places = failure_places(lambda z: self(z.T)[which][None], self.n_factors, rng)
         tried = places.draw(_TRIED, rng)
         weights = self(tried.T)[which] * np.exp(-places.log_density(tried))
+        if not weights.any():
+            return 0.0 * free
         # one place alone may have all the weight
         spread = np.cov(tried.T, aweights=weights, ddof=0).reshape(self.n_factors, -1)
         widest = np.linalg.eigh(spread)[1][:, -1]
