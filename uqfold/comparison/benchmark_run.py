@@ -116,8 +116,9 @@ def benchmark(
     Examples
     --------
     >>> import uqfold
-    >>> frame = uqfold.benchmark(["ffni-spa", "openturns-form"], ["rp8", "rp107"], seeds=1)
-    >>> frame[["problem", "label", "n_evals", "status"]]
+    >>> frame = uqfold.benchmark(["openturns-form", "sorm"], ["rp107"], seeds=1)
+    >>> frame[["problem", "label"]].to_numpy().tolist()
+    [['rp107', 'openturns-form'], ['rp107', 'sorm']]
     """
     numbers = _checked_seeds(seeds)
     budget = checked_budget(max_evals)
