@@ -119,6 +119,15 @@ def test_directions_that_were_lost_are_a_doubt() -> None:
     assert "25 % of the failures that the climbs found" in alone.message
 
 
+def test_what_the_search_finds_leaves_runs_for_the_answer() -> None:
+    """Chains that led lost failures apart asked for more runs than were left: no answer."""
+    problem = LinearNormalSystem(units=2).problem()
+    for seed in (0, 1):
+        row = METHOD.estimate(problem, Criterion(13.0, missions=5), max_evals=8_000, rng=seed)[0]
+        assert row.status == "doubtful"
+        assert row.n_evals <= 8_000
+
+
 def test_failed_runs_far_out_are_bounded() -> None:
     def lost(x: FloatArray) -> FloatArray:
         return np.where(x[:, 1] > 2.0, np.nan, x[:, 0])

@@ -33,8 +33,9 @@ a longer tail than a Nakagami law of their own variance, and what lies there wou
 RARE, OF_LOST = 30.0, 0.15
 """Failures that are known and so many times rarer among the samples than the commonest tenth are
 lost; they get that share of the samples."""
-CHAINS, CHAIN = 20, 20
-"""At first they are led apart, by so many chains of so many states at most."""
+CHAINS, CHAIN, PART_OF_CHAINS = 20, 20, 5
+"""At first they are led apart, by so many chains of so many states at most, or one part in so many
+of the runs that are left."""
 FEWEST_LOST = 10
 """With fewer of them in a round, those of the climbs are kept to."""
 WANDERING = 3.0
@@ -174,10 +175,13 @@ class ImportanceSearch:
             return
         u, shares = self.witnesses
         lost = self._lost(u)
-        if not lost.any():
+        # at most so many: with a random number of missions these may be few
+        most = self.asked.left // self.asked.event.max_evals_per_sample // PART_OF_CHAINS
+        if not lost.any() or most < CHAINS:
             return
         places = self.rng.permutation(np.nonzero(lost)[0])[:CHAINS]
-        moved = yield from along(self.asked, top, places, limit, CHAIN * places.size, self.rng)
+        states = min(CHAIN * places.size, most)
+        moved = yield from along(self.asked, top, places, limit, states, self.rng)
         if not len(moved):
             return
         moved = moved if moved.shape[1] > 1 else self._with_a_second(moved)
