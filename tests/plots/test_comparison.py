@@ -52,12 +52,15 @@ def drawn(axes: Axes, label: str, labels: list[str]) -> list[tuple[float, float]
     return [(float(x), float(y)) for x, y in points if math.isfinite(x + y)]
 
 
-def test_fifteen_methods_have_a_look_of_their_own() -> None:
-    """Most have a fixed one, others the next free; further ones still look like no other."""
+def test_methods_have_a_look_of_their_own() -> None:
+    """Most have a fixed one, others the next free; further ones still look like no other.
+
+    There are more methods than markers that may be filled or hollow, so that some share one.
+    """
     styles = list(plots.method_styles([*available(), *"abcdefghijklmnop"]).values())
     assert len(set(styles)) == len(styles)
     assert len({style.color for style in styles[:15]}) == 15
-    assert len({style.marker for style in styles[:15]}) == 15
+    assert len({style.marker for style in styles[:15]}) >= 14
     # black is the reference
     assert "#000000" not in {style.color for style in styles}
 
