@@ -23,7 +23,7 @@ LINES = {
 BESIDE = {
     "test_readme.py": "::test_table_of_methods_is_that_of_the_registry",
     "methods/test_theory.py": "",
-    "plots/test_comparison.py": "::test_fifteen_methods_have_a_look_of_their_own",
+    "plots/test_comparison.py": "::test_methods_have_a_look_of_their_own",
     "test_public_names.py": "",
 }
 """Tests that once had to be changed for a new method, or that see what a package hands out."""
