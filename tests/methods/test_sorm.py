@@ -108,6 +108,25 @@ def test_several_design_points_are_joined(name: str) -> None:
     assert abs(result[0].pf - pf) < 3.0 * result[0].std_error < 0.3 * pf
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_point_between_two_nearer_ones_counts_nothing(side: float) -> None:
+    """The gradient leads to the origin there as well: what lies behind it was counted twice."""
+
+    def cup(kappa: float) -> Problem:
+        return standard_normal(lambda x: side * (x[:, 0] + 0.5 * kappa * x[:, 1] ** 2 - 4.5), 2)
+
+    result = METHOD.estimate(cup(1.2), Criterion(0.0))
+    row, exact = result[0], behind(4.5, -1.2)
+    assert row.status == "converged"
+    small = row.pf if side > 0.0 else row.reliability
+    assert abs(small - exact) < 3.0 * row.std_error < 0.3 * exact
+    assert result.details.second_orders[0].distances == pytest.approx([2.607] * 2, abs=0.01)
+    # the only point found has nearer ones beside it
+    row = METHOD.estimate(cup(0.24), Criterion(0.0))[0]
+    assert row.status == "doubtful"
+    assert "nearer beside" in row.message
+
+
 def test_what_is_no_paraboloid_is_in_the_error() -> None:
     """A cubic beside the point; a domain that ends behind it is not believed."""
     row, pf = METHOD.estimate(limit_state("gayton-hat"))[0], entry("gayton-hat").pf

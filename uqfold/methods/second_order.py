@@ -75,6 +75,16 @@ class Paraboloid:
         bends = (np.asarray(np.linalg.eigvalsh(one), dtype=np.float64) for one in (near, far))
         return cls(around.towards, around.radius, next(bends), next(bends), misfit)
 
+    @property
+    def is_nearest(self) -> bool:
+        """Whether no point of the limit state beside it is nearer to the origin.
+
+        Where the limit state bends towards the origin more than a sphere does, the gradient leads
+        to the origin as well, but nearer points lie to both sides, and have paraboloids of their
+        own.
+        """
+        return bool((1.0 + self.radius * self.curvatures > 0.0).all())
+
     def probabilities(self) -> dict[Formula, float]:
         """Return what each formula gives; infinite where the paraboloid bends too much for it.
 
@@ -97,7 +107,7 @@ class Paraboloid:
             "hohenbichler-rackwitz": math.inf,
             "tvedt": math.inf,
         }
-        if (1.0 + beta * kappa > 0.0).all():
+        if self.is_nearest:
             found["breitung"] = behind * _product(beta, kappa).real
         if (1.0 + rate * kappa > 0.0).all():
             found["hohenbichler-rackwitz"] = behind * _product(rate, kappa).real

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import compress
 from typing import ClassVar, get_args
 
 import numpy as np
@@ -183,6 +184,12 @@ class SORM(ReliabilityMethod):
         except BudgetExceededError as short:
             cut = f"first order only: {short}"
             return replace(plane, status="budget_exhausted", message=cut), None
+        between = not paraboloids[0].is_nearest
+        if not between:
+            # what lies behind a point between nearer ones lies behind these
+            nearest = [one.is_nearest for one in paraboloids]
+            around = list(compress(around, nearest))
+            paraboloids = list(compress(paraboloids, nearest))
         joined = _Joined(around, paraboloids)
         if others and elsewhere == 0.0:
             # what was seen of other domains is what the other points explain
@@ -196,6 +203,8 @@ class SORM(ReliabilityMethod):
             index = -around[0].side * float(ndtri(small))
             estimate = system.estimate(index, error / small + look.curvature)
             small, error = min(estimate.pf, estimate.reliability or 0.0), estimate.std_error
+        if status == "unchecked" and between:
+            status, message = "doubtful", "the limit state comes nearer beside the design point"
         if status != "unchecked":
             return replace(estimate, status=status, message=message), joined.told()
         if around[0].radius < NEAREST:
