@@ -14,12 +14,10 @@ from uqfold.evaluation.external import ExternalCode as ExternalCode
 from uqfold.evaluation.outputs import Column as Column, Regex as Regex
 from uqfold.evaluation.processes import Processes as Processes
 from uqfold.evaluation.row_model import per_sample as per_sample
+from uqfold.evaluation.served_problem import ServedProblem as ServedProblem
 from uqfold.evaluation.session import (
     EvaluationSession as EvaluationSession,
     RunningEstimate as RunningEstimate,
 )
 from uqfold.evaluation.store import Store as Store
-from uqfold.evaluation.um_bridge import (
-    ServedProblem as ServedProblem,
-    UMBridgeModel as UMBridgeModel,
-)
+from uqfold.evaluation.um_bridge import UMBridgeModel as UMBridgeModel
