@@ -12,8 +12,9 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.problems.structure import KOutOfN
 from uqfold.system.conditional import system_failure, system_failures_of_kinds
 from uqfold.system.conditional_response import ConditionalResponse
+from uqfold.system.decision_diagram import diagram
 from uqfold.system.influence import influences
-from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 Z = np.linspace(-8.0, 8.0, 401)

@@ -9,9 +9,10 @@ from scipy.special import ndtr
 from uqfold.problems.criterion import Binomial
 from uqfold.problems.structure import KOutOfN, Parallel
 from uqfold.system import linearised_units
+from uqfold.system.decision_diagram import diagram
 from uqfold.system.linearised import linearised_failure, linearised_failures
 from uqfold.system.linearised_units import Planes, PlanesGiven, failure_of_planes
-from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 
 

@@ -15,9 +15,10 @@ from scipy.stats import binom
 
 from uqfold import Criterion, CutSets, KOutOfN, Parallel, PathSets, Problem, Series, Structure
 from uqfold.inputs import normal
-from uqfold.methods import OpenTURNSFORM
+from uqfold.methods import Kriging, OpenTURNSFORM
+from uqfold.system.decision_diagram import diagram
 from uqfold.system.linearised import linearised_failure
-from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.structure import SystemUnits
 from uqfold.testing.linear_normal import works_as
 
 NAMES = tuple(f"u{i}" for i in range(6))
@@ -144,20 +145,49 @@ def test_how_failure_changes_with_that_of_each_unit() -> None:
 
 
 def test_a_structure_that_needs_too_many_nodes_is_refused(monkeypatch: Any) -> None:
-    monkeypatch.setattr("uqfold.system.structure.MOST_NODES", 1000)
+    monkeypatch.setattr("uqfold.system.decision_diagram.MOST_NODES", 1000)
     with pytest.raises(ValueError, match="a decision diagram of more than 1,000 nodes"):
         diagram(KOutOfN(99), tuple(f"u{i}" for i in range(200)))
+
+
+def test_too_large_a_structure_is_refused_before_any_run() -> None:
+    """A surface was fitted first."""
+    sets = np.random.default_rng(1).integers(0, 100, (120, 3))
+    problem = Problem(
+        lambda x: x[:, 0], individual=normal(0, 1), units=100, structure=CutSets(sets.tolist())
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("uqfold.system.decision_diagram.MOST_NODES", 1000)
+        row = Kriging().estimate(problem, Criterion(2.0), rng=1)[0]
+    assert (row.status, row.n_evals) == ("unsupported", 0)
+    assert "more than 1,000 nodes" in row.message
+
+
+def test_where_units_stand_decides_nothing() -> None:
+    """Pairs of units that are far apart: a diagram in the order of units has 2^60 nodes."""
+    problem = CutSets([[i, i + 60] for i in range(60)])
+    found = diagram(problem, tuple(f"u{i}" for i in range(120)))
+    assert found.size == 2 + 120
+    p = np.full((120, 1), 1e-5)
+    failure, _ = found.probabilities(p, 1.0 - p)
+    assert failure == pytest.approx(-math.expm1(60 * math.log1p(-1e-10)), rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("expression", "message"),
     [
-        ("a &", "it cannot be read"),
-        ("~a | b", "'~a' is no unit name"),
-        ("a + b", "'a \\+ b' is no unit name"),
+        ("a &", "a name is missing at the end"),
+        ("a & | b", r"a name is missing before '\|'"),
+        ("(a & b", "a bracket is not closed"),
+        ("a & b)", r"'\)' is out of place"),
+        ("a, b", "',' is out of place"),
+        ("not a", "'not' is no unit name"),
+        ("~a | b", "'~' is no unit name"),
+        ("a + b", r"& or \| is missing before '\+'"),
         ("at_least(a, b)", "at_least takes a number"),
         ("at_least(3, a, b)", r"at_least\(3, ...\) counts 2 parts"),
-        ("__import__('os')", "is no unit name"),
+        ("at_least(9", "at_least takes a number"),
+        ("__import__('os')", r"& or \| is missing before '\('"),
         ("pump#1 & valve", "leave out #"),
         ("g = a & b", "its last line must say when the system works"),
         ("g = a\ng = b\ng", "'g' is named again"),

@@ -16,8 +16,9 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion, criteria
 from uqfold.problems.structure import Parallel
 from uqfold.system.conditional import SystemProbability, system_failures
+from uqfold.system.decision_diagram import diagram
 from uqfold.system.lines import FINITE, MISSING, NEVER
-from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, reliability_indices
 from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_plan import plan_surface

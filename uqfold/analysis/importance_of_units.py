@@ -40,8 +40,8 @@ from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Missions
+from uqfold.system.decision_diagram import Diagram, diagram
 from uqfold.system.missions import over_missions
-from uqfold.system.structure import Diagram, diagram
 from uqfold.time_limit import check_time
 from uqfold.typing import FloatArray
 

@@ -24,8 +24,9 @@ from uqfold.methods.seeding import RandomSource
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional_unit import UnitResponse
+from uqfold.system.decision_diagram import diagram
 from uqfold.system.missions import over_missions
-from uqfold.system.structure import SystemUnits, diagram
+from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import OfKinds
 from uqfold.system.surface_layout import laid_out
 from uqfold.system.synchronized import failure_of_units

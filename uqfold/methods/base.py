@@ -47,6 +47,7 @@ from uqfold.methods.theory import Theory
 from uqfold.problems.base import WITHOUT_MODEL, Problem, run_elsewhere
 from uqfold.problems.criterion import Criteria, Criterion
 from uqfold.problems.structure import Series
+from uqfold.system.structure import SystemUnits
 from uqfold.time_limit import time_checked_by
 from uqfold.typing import Model
 
@@ -198,6 +199,10 @@ class ReliabilityMethod(ABC):
             return f"{self.name} needs a series structure, not {structure}"
         if criterion.tau is not None and not isinstance(structure, Series):
             return f"tau compares all units of a mission: it needs Series(), not {structure}"
+        try:
+            SystemUnits.of(problem)
+        except ValueError as error:
+            return str(error)
         return None
 
     @abstractmethod

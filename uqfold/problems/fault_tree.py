@@ -32,8 +32,6 @@ Key: TypeAlias = tuple[str, str]
 Works: TypeAlias = str | bool
 """When a formula works: text, or what is certain."""
 
-_MOST_JOINED = 200
-"""Parts that signs join; of more they would stand too deep within each other to be read."""
 _WORD = re.compile(r"\w+")
 _NESTED = ("define-fault-tree", "define-component")
 _OPERATORS = ("and", "or", "atleast")
@@ -146,11 +144,7 @@ class _Reader:
         parts: dict[str, str] = {}
         for name in order:
             gate = self.defined[name]
-            try:
-                works = self._works(_formula(gate.element), gate.scope, known)
-            except RecursionError:
-                remedy = "its formulas stand too deep within each other: make gates of them"
-                raise ValueError(f"gate {name!r}: {remedy}") from None
+            works = self._works(_formula(gate.element), gate.scope, known)
             if isinstance(works, str) and name != top and not works.isidentifier():
                 parts[self._name("gate", name)] = works
                 works = self._name("gate", name)
@@ -206,26 +200,31 @@ class _Reader:
         return [self.meant(_attribute(one, "name"), _kind(one), gate.scope) for one in events]
 
     def _works(self, formula: ET.Element, scope: tuple[str, ...], known: dict[str, Works]) -> Works:
-        """When it works that this formula does not hold."""
-        if formula.tag == "constant":
-            return not _truth(formula)
-        if formula.tag in _EVENTS:
-            kind, name = self.meant(_attribute(formula, "name"), _kind(formula), scope)
-            if kind == "gate":
-                return known[name]
-            if kind == "house-event":
-                value = self.defined[name].element.find("constant")
-                return value is None or not _truth(value)
-            return self._name(kind, name)
-        if formula.tag not in _OPERATORS:
-            raise ValueError(
-                f"<{formula.tag}> is not monotone, or is unknown; know: and or atleast"
-            )
-        parts = [self._works(one, scope, known) for one in formula if one.tag not in _SAID]
-        fails = {"and": len(parts), "or": 1}.get(formula.tag) or _least(formula)
-        if not 1 <= fails <= len(parts):
-            raise ValueError(f"<{formula.tag}> asks for {fails} of {len(parts)} parts")
-        return _at_least(len(parts) - fails + 1, parts)
+        """When it works that this formula does not hold, without recursion."""
+        order = [formula]
+        for one in order:
+            if one.tag in _OPERATORS:
+                order.extend(_parts(one))
+        found: dict[ET.Element, Works] = {}
+        for one in reversed(order):
+            if one.tag in _OPERATORS:
+                found[one] = _gate(one, [found[part] for part in _parts(one)])
+            else:
+                found[one] = self._event(one, scope, known)
+        return found[formula]
+
+    def _event(self, event: ET.Element, scope: tuple[str, ...], known: dict[str, Works]) -> Works:
+        if event.tag == "constant":
+            return not _truth(event)
+        if event.tag not in _EVENTS:
+            raise ValueError(f"<{event.tag}> is not monotone, or is unknown; know: and or atleast")
+        kind, name = self.meant(_attribute(event, "name"), _kind(event), scope)
+        if kind == "gate":
+            return known[name]
+        if kind == "house-event":
+            value = self.defined[name].element.find("constant")
+            return value is None or not _truth(value)
+        return self._name(kind, name)
 
     def _name(self, kind: str, name: str) -> str:
         """Return the name of a gate or event as an identifier, another one for each."""
@@ -248,6 +247,18 @@ class _Reader:
         return self.texts[kind, name]
 
 
+def _parts(formula: ET.Element) -> list[ET.Element]:
+    return [one for one in formula if one.tag not in _SAID]
+
+
+def _gate(formula: ET.Element, parts: list[Works]) -> Works:
+    """When it works that the formula of these parts does not hold."""
+    fails = {"and": len(parts), "or": 1}.get(formula.tag) or _least(formula)
+    if not 1 <= fails <= len(parts):
+        raise ValueError(f"<{formula.tag}> asks for {fails} of {len(parts)} parts")
+    return _at_least(len(parts) - fails + 1, parts)
+
+
 def _at_least(k: int, parts: list[Works]) -> Works:
     """When at least k of the parts work."""
     k -= parts.count(True)
@@ -256,7 +267,7 @@ def _at_least(k: int, parts: list[Works]) -> Works:
         return k <= 0
     if len(rest) == 1:
         return rest[0]
-    if k in (1, len(rest)) and len(rest) <= _MOST_JOINED:
+    if k in (1, len(rest)):
         return (" | " if k == 1 else " & ").join(
             one if one.isidentifier() else f"({one})" for one in rest
         )
@@ -287,7 +298,7 @@ def _least(formula: ET.Element) -> int:
 
 def _formula(gate: ET.Element) -> ET.Element:
     """Return the formula of a gate."""
-    formulas = [one for one in gate if one.tag not in _SAID]
+    formulas = _parts(gate)
     if len(formulas) != 1:
         raise ValueError(f"gate {_attribute(gate, 'name')!r} has {len(formulas)} formulas, not one")
     return formulas[0]

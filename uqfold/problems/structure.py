@@ -167,7 +167,7 @@ def checked_structure(structure: SystemStructure, names: tuple[str, ...]) -> Sys
         if unknown:
             remedy = f"{unknown[0]} is the name of {names.count(unknown[0])} units"
             raise refused("structure", structure, f"{remedy}; there are {', '.join(names)}")
-        both = sorted(read(structure.expression).parts.keys() & set(names))
+        both = sorted(read(structure.expression).named.keys() & set(names))
         if both:
             raise refused("structure", structure, f"{both[0]!r} is a part of it and a unit")
     return structure

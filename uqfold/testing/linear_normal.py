@@ -9,7 +9,6 @@ makes of failures is added up over all states of the units.
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,7 +20,7 @@ from uqfold.checks import instance, keep, real, whole
 from uqfold.inputs import normal
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
-from uqfold.problems.expression import Expression, branches, read
+from uqfold.problems.expression import Term, read
 from uqfold.problems.structure import (
     CutSets,
     KOutOfN,
@@ -153,17 +152,14 @@ def works_as(structure: SystemStructure, works: Sequence[bool]) -> bool:
     if isinstance(structure, Series):
         return all(works)
     expression = read(structure.expression)
-    return _is_true(expression.system, expression, works)
+    known: list[bool] = []
 
+    def is_true(part: Term) -> bool:
+        return works[int(part.removeprefix("u"))] if isinstance(part, str) else known[part]
 
-def _is_true(node: ast.expr, expression: Expression, works: Sequence[bool]) -> bool:
-    """Whether enough parts of a node work, in which unit i is called ui."""
-    if isinstance(node, ast.Name):
-        if node.id in expression.parts:
-            return _is_true(expression.parts[node.id], expression, works)
-        return works[int(node.id.removeprefix("u"))]
-    k, parts = branches(node)
-    return sum(_is_true(part, expression, works) for part in parts) >= k
+    for gate in expression.gates:
+        known.append(sum(map(is_true, gate.parts)) >= gate.k)
+    return is_true(expression.system)
 
 
 def normal_rule(kinks: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -27,7 +27,7 @@ from scipy.stats import binom
 import uqfold
 from uqfold import Criterion, CutSets, KOutOfN, Parallel, Problem, Series, Structure
 from uqfold.inputs import normal
-from uqfold.system.structure import diagram
+from uqfold.system.decision_diagram import diagram
 
 SHARED, OWN = 0.6, 0.8
 SECONDS = 60.0
