@@ -102,6 +102,8 @@ def said(error: ValueError, fields: Iterable[str] = ()) -> str:
         return f"{where} is not a field here{hint}"
     if first["type"].startswith("missing"):
         return f"the field {where} is missing"
+    if first["type"] == "value_error":  # one of ours, which shows the value itself
+        return f"{where}: {first['ctx']['error']}".removeprefix(": ")
     return f"{where}: {first['msg']}, not {shown(first['input'])}"
 
 

@@ -1,6 +1,7 @@
 """`uqfold benchmark`: the table, its page, going on, and what is refused."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,13 @@ def test_it_prints_the_table_and_writes_rows_and_page(
     ]  # fmt: skip
     page = Path("league.md").read_text(encoding="utf-8")
     assert "uqfold benchmark --method mc,openturns-form --problem rp8 --seeds 2" in page
+
+
+def test_what_the_limit_of_time_ended_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--method", "mc,openturns-form", "--problem", "rp8", "--seeds", "1"]
+    assert run(*words, "--max-evals", "1e8", "--max-seconds", "0.02", "--out", "few") == 0
+    said = capsys.readouterr().out
+    assert re.search(r"\nended by --max-seconds, \d of 2 answers: mc 1", said)
 
 
 def test_what_was_interrupted_is_kept_and_how_to_go_on_is_said(

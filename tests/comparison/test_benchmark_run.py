@@ -12,6 +12,7 @@ import uqfold
 from tests.comparison.fakes import Sampled, Told, toy_problem
 from uqfold.comparison import RecordsError, read_benchmark
 from uqfold.comparison.benchmark_rows import QUESTION
+from uqfold.evaluation.deadline import limit_told
 from uqfold.methods import MonteCarlo
 from uqfold.problems.criterion import criteria
 
@@ -100,6 +101,57 @@ def test_rows_of_other_code_settings_or_problems_are_made_again(tmp_path: Path) 
     assert asked(file, methods=METHODS | {"told": Told(n=30)})[1] == [2, 3]
     assert asked(file, max_evals=7_000)[1] == [0, 1, 2, 3]
     assert asked(file, problems=toy_problem(criteria(11.0)))[1] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("inputs", 10**30, "inputs = 10+: give a whole number >= 1, smaller than 2\\*\\*63"),
+        ("inputs", "3", "inputs: Input should be a valid integer, not '3'"),
+        ("pf", 7.0, r"pf = 7.0: give a probability in \[0, 1\]"),
+        ("pf", None, "pf = nan: it does not go with the status 'unchecked'"),
+        ("pf", 0.5, "it is above pf = 0.5|it is not 1 - pf|pf = 0.5: it is above pf_high"),
+        ("reliability", 0.1, "reliability = 0.1: it is not 1 - pf"),
+        ("std_error", -1.0, "std_error = -1.0: give a number >= 0"),
+        ("n_evals", -5, "n_evals = -5: give a whole number from 0"),
+        ("n_failed", 10**6, "n_failed = 1000000: give a whole number <= "),
+        ("seconds", "inf", "seconds = inf: give a number >= 0 that is finite"),
+        ("seed", -1, "seed = -1: give a whole number >= 0"),
+        ("status", "sure", "status = 'sure': choose from"),
+        ("missions", "7.5", "missions = '7.5'"),
+        ("missions", "01", "missions = '01': the profile is 1"),
+        ("tau", -1.0, "tau = -1.0"),
+        ("max_evals", 0.0, "max_evals = 0.0"),
+        ("error", 0.5, "error = 0.5: that of pf against reference_pf is"),
+        ("covered", True, "covered = True: it goes with an interval and a reference"),
+        ("threshold", None, "threshold = nan"),
+        ("colour", 1, "colour is not a field here"),
+    ],
+)
+def test_what_no_method_could_have_given_is_told_and_asked_again(
+    tmp_path: Path, name: str, value: object, said: str
+) -> None:
+    """Of two rows one is damaged; of one row nothing is left."""
+    file = tmp_path / "rows.jsonl"
+    given: dict[str, Any] = {"methods": {"told": Told(n=20)}, "problems": toy_problem(TWO)}
+    asked(file, **given)
+    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    lines[1][name] = value
+    file.write_text("".join(f"{json.dumps(line)}\n" for line in lines), encoding="utf-8")
+    with pytest.warns(UserWarning, match=f"1 of 2 lines hold no possible answer.*line 2: ({said})"):
+        assert asked(file, **given)[1] == [0, 1]
+    file.write_text(f"{json.dumps(lines[1])}\n", encoding="utf-8")
+    with pytest.raises(RecordsError, match=f"holds no rows of a benchmark .line 1: ({said})"):
+        read_benchmark(file)
+
+
+def test_what_a_limit_of_time_ended_is_asked_again_with_more_time(tmp_path: Path) -> None:
+    file, given = tmp_path / "rows.jsonl", {"methods": {"mc": MonteCarlo()}, "seeds": 1}
+    cut = asked(file, **given, max_evals=10**7, max_seconds=0.001)[0]
+    assert limit_told(cut["message"][0]) == 0.001
+    assert asked(file, **given, max_evals=10**7, max_seconds=0.001)[1] == [1]
+    assert asked(file, **given, max_evals=10**7, max_seconds=0.002)[1] == [0, 1]
+    assert asked(file, **given, max_evals=10**7, max_seconds=0.001)[1] == [1]
 
 
 def test_workers_give_the_numbers_of_one() -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Mapping, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -72,6 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     open_streams()
+    formatted, warnings.formatwarning = warnings.formatwarning, _warning_line
     try:
         try:
             with Interrupts() as interrupts:
@@ -81,6 +83,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except OSError as error:
         # None: an error of the exit, not of the program
         raise SystemExit(exit_code_of(error)) from None
+    finally:
+        warnings.formatwarning = formatted
+
+
+def _warning_line(message: Warning | str, *_: Any, **__: Any) -> str:
+    return f"warning: {message}\n"
 
 
 def _show_version(asked: bool) -> None:

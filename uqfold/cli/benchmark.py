@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -113,6 +114,18 @@ def benchmark_methods(
     console = stdout_console(quiet=quiet)
     for line in joined(text_columns(league_cells(frame))):
         console.print(line, soft_wrap=True)
+    for text in _cut_short(frame):
+        console.print(f"\n{text}", highlight=False, markup=False, soft_wrap=True)
     written = usage(benchmark_page(frame, command).write, page)
     names = ", ".join(map(shown_path, [out / ROWS_NAME, *written]))
     console.print(f"\nwritten: {names}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _cut_short(frame: pd.DataFrame) -> Iterator[str]:
+    """Say which answers the limit of time has ended."""
+    from uqfold.evaluation.deadline import limit_told
+
+    ended = frame[[limit_told(message) is not None for message in frame["message"]]]
+    if len(ended):
+        whose = ", ".join(f"{label} {n}" for label, n in ended["label"].value_counts().items())
+        yield f"ended by --max-seconds, {len(ended)} of {len(frame)} answers: {whose}"

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
-from uqfold.comparison.columns import rows_to_frame
+from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.form import ANSWER, OF_BENCHMARK, encoded
 from uqfold.comparison.records import RecordsError
+from uqfold.documents import parsed_json, said
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,16 +47,37 @@ def read_benchmark(path: str | os.PathLike[str]) -> pd.DataFrame:
         If the file holds something, but no row.
     OSError
         If it cannot be opened.
+
+    Warns
+    -----
+    UserWarning
+        If lines are left out that were not cut off, but hold no row that a method could have given.
     """
     file = checked_path("path", path)
     file = file / ROWS_NAME if file.is_dir() else file
-    lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
-    rows = []
-    for line in lines:
-        with suppress(ValueError):
-            rows.append(ANSWER.validate_json(line))
-    if lines and not rows:
-        raise RecordsError(f"{file.name} holds no rows of a benchmark: give another path")
+    # a text within a row may hold other signs that Python takes for line ends
+    lines = file.read_text(encoding="utf-8", errors="replace").rstrip("\n").split("\n")
+    rows, wrong = [], []
+    for number, line in enumerate(lines, 1):
+        try:
+            document = parsed_json(line)
+        except ValueError:
+            continue  # cut off
+        try:
+            rows.append(ANSWER.validate_python(document, strict=True))
+        except (ValueError, TypeError) as error:
+            what = (
+                said(error, [*COLUMNS, *OF_BENCHMARK])
+                if isinstance(error, ValueError)
+                else str(error)
+            )
+            wrong.append(f"line {number}: {what}")
+    if any(lines) and not rows:
+        why = f" ({wrong[0]})" if wrong else ""
+        raise RecordsError(f"{file.name} holds no rows of a benchmark{why}: give another path")
+    if wrong:
+        lost = f"{len(wrong)} of {len(lines)} lines hold no possible answer and are left out"
+        warnings.warn(f"{file.name}: {lost}; {wrong[0]}", stacklevel=2)
     return benchmark_frame(rows).drop_duplicates(QUESTION, keep="last", ignore_index=True)
 
 

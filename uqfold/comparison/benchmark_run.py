@@ -24,11 +24,12 @@ from uqfold.comparison.benchmark_rows import (
     read_benchmark,
 )
 from uqfold.comparison.columns import comparison_row
-from uqfold.comparison.frames import criterion_of
 from uqfold.comparison.header import header_of, source_of
 from uqfold.comparison.named_problems import available_problems, named_problem
+from uqfold.comparison.possible_rows import criterion_of
 from uqfold.comparison.run import Methods, labelled_methods
 from uqfold.evaluation import Evaluator
+from uqfold.evaluation.deadline import limit_told
 from uqfold.evaluation.worker import follow_parent
 from uqfold.methods.arguments import checked_budget, checked_criteria
 from uqfold.methods.base import ReliabilityMethod
@@ -85,8 +86,8 @@ def benchmark(
     path
         A file, or the folder of a file ``rows.jsonl``: every answer is appended at once, as a line
         of JSON for each criterion. What is there already is not asked again, unless it was made by
-        other code or settings, or the problem has changed: the same call goes on where an earlier
-        one was interrupted.
+        other code or settings, the problem has changed, or a shorter `max_seconds` ended it: the
+        same call goes on where an earlier one was interrupted.
     workers
         Number of processes, or an executor of `concurrent.futures` that stays the caller's, such as
         ``distributed.Client(...).get_executor()``. It has no influence on any number but times.
@@ -141,7 +142,8 @@ def benchmark(
     ]
     most = math.inf if budget is None else float(budget)
     codes = _codes(built, asked)
-    answers = {} if file is None else _kept(file, most, built, asked, codes)
+    longest = math.inf if evaluator.max_seconds is None else evaluator.max_seconds
+    answers = {} if file is None else _kept(file, most, longest, built, asked, codes)
     answers = {question: answers[question] for question in questions if question in answers}
     tell = progress or (lambda done, total: None)
     tell(len(answers), len(questions))
@@ -220,6 +222,7 @@ def _pool(workers: Workers) -> Iterator[concurrent.futures.Executor]:
 def _kept(
     file: Path,
     budget: float,
+    max_seconds: float,
     methods: Mapping[str, ReliabilityMethod],
     problems: Mapping[str, Problem],
     codes: Mapping[tuple[str, str], str],
@@ -233,6 +236,9 @@ def _kept(
     for row in rows[rows["max_evals"] == budget].to_dict("records"):
         question = _Question(row["problem"], row["label"], row["seed"])
         current = codes.get(question[:2]) == row["code"]
+        ended_by = limit_told(row["message"])
+        if ended_by is not None and float(f"{max_seconds:g}") > ended_by:
+            continue  # there is more time now
         if current and repr(methods[question.label]) == row["settings"]:
             found.setdefault(question, {})[criterion_of(row)] = row
     grids = {name: checked_criteria(problem, None) for name, problem in problems.items()}

@@ -10,12 +10,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypeAlias
 
-from pydantic import BeforeValidator, ConfigDict, TypeAdapter, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, TypeAdapter, WithJsonSchema
 
 # the one of `typing` can be checked from Python 3.12 on
 from typing_extensions import TypedDict
 
 from uqfold.comparison.columns import COLUMNS
+from uqfold.comparison.possible_rows import possible_answer
 
 SCHEMA: Literal["uqfold-comparison/3"] = "uqfold-comparison/3"
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
@@ -127,10 +128,11 @@ else:
     _FORMS = {float: _Number, int: int, str: _Text}
     _OF_ROWS = {name: _FORMS[kind] for name, kind in COLUMNS.items()}
     RowForm = TypedDict("RowForm", _OF_ROWS)
-    AnswerForm = TypedDict("AnswerForm", _OF_ROWS | _OF_BENCHMARK)
+    _Answer = TypedDict("_Answer", _OF_ROWS | _OF_BENCHMARK)
     # numbers of missions are text, and numbers in a CSV file
     RowForm.__pydantic_config__ = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
-    AnswerForm.__pydantic_config__ = ConfigDict(extra="forbid")
+    _Answer.__pydantic_config__ = ConfigDict(extra="forbid")
+    AnswerForm = Annotated[_Answer, AfterValidator(possible_answer)]
 
 
 class _Record(_Header):

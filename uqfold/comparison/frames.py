@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from uqfold.checks import instance, refused
+from uqfold.checks import instance
 from uqfold.comparison.columns import COLUMNS, rows_to_frame
 from uqfold.comparison.form import ROWS
 from uqfold.comparison.header import ATTRIBUTE, checked_header
+from uqfold.comparison.possible_rows import criterion_of
 from uqfold.documents import said
-from uqfold.problems.criterion import Binomial, Criterion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,15 +94,3 @@ def _header(document: Any, frame: pd.DataFrame) -> dict[str, Any]:
     methods = [{"label": label, "method": name} | _UNKNOWN_METHOD for label, name in labels.items()]
     problem, seed = frame["problem"].iloc[0], int(frame["seed"].iloc[0])
     return _UNKNOWN | told | {"problem": problem, "methods": methods, "seed": seed}
-
-
-def criterion_of(row: Mapping[Any, Any]) -> Criterion:
-    """Return the criterion that a row answers."""
-    missions: Any = row["missions"]
-    if not math.isnan(row["missions_planned"]):
-        missions = Binomial(row["missions_planned"], row["missions_p"])
-    elif missions.isdecimal():
-        missions = int(missions)
-    else:
-        raise refused("missions", missions, "give a whole number, or missions_planned")
-    return Criterion(row["threshold"], None if math.isnan(row["tau"]) else row["tau"], missions)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 
 from uqfold.evaluation.errors import TimeLimitError
 
 GRACE_SECONDS, GRACE_SHARE = 3.0, 0.1
 """Time beyond the limit for summing up what there is: so much, and this share of the limit."""
+_LIMIT = "the wall-clock limit of"
 
 
 class Deadline:
@@ -42,6 +44,12 @@ class Deadline:
             return
         self._last = self._end + GRACE_SECONDS + GRACE_SHARE * self._seconds
         raise TimeLimitError(
-            f"the wall-clock limit of {self._seconds:g} s is over after {n_evals} runs "
+            f"{_LIMIT} {self._seconds:g} s is over after {n_evals} runs "
             "(max_seconds of the evaluator)"
         )
+
+
+def limit_told(message: str) -> float | None:
+    """Return the limit (s) that ended an estimate, as the message of its row tells; None: none."""
+    found = re.search(rf"{_LIMIT} (\S+) s is over", message)
+    return float(found[1]) if found else None
