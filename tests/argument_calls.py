@@ -690,6 +690,16 @@ def calls(folder: Path) -> dict[str, Call]:
                 "names": optional(thing(["a", "b"])),
             },
         ),
+        "inputs.bernoulli": Call(inputs.bernoulli, {"p": number()}),
+        "inputs.poisson": Call(inputs.poisson, {"mean": number()}),
+        "inputs.discrete": Call(
+            inputs.discrete,
+            {"values": numbers([0.0, 1.0]), "probabilities": numbers([0.4, 0.6])},
+        ),
+        "inputs.censored": Call(
+            inputs.censored,
+            {"distribution": thing(normal), "low": any_number(0.0), "high": any_number(3.0)},
+        ),
         "inputs.normal": Call(inputs.normal, {"mean": any_number(), "std": number()}),
         "inputs.product_inputs": Call(
             inputs.product_inputs,

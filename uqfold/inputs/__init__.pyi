@@ -4,4 +4,10 @@ from uqfold.inputs.assembly import (
     product_inputs as product_inputs,
 )
 from uqfold.inputs.data import from_data as from_data
+from uqfold.inputs.single_values import (
+    bernoulli as bernoulli,
+    censored as censored,
+    discrete as discrete,
+    poisson as poisson,
+)
 from uqfold.inputs.joint import JointInputs as JointInputs

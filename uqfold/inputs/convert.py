@@ -16,6 +16,7 @@ import numpy as np
 
 from uqfold.checks import names as checked_names
 from uqfold.checks import real, shown
+from uqfold.inputs.counts import of_chaospy, of_scipy
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.laws import closed_form
 from uqfold.inputs.marginal import OpenTURNSMarginal
@@ -31,7 +32,7 @@ def as_openturns(distribution: Any) -> Any:
     Parameters
     ----------
     distribution
-        An OpenTURNS distribution; a frozen scipy.stats distribution (univariate continuous, or
+        An OpenTURNS distribution; a frozen scipy.stats distribution (univariate, or
         ``multivariate_normal``), or a random variable such as ``scipy.stats.Normal()``; a chaospy
         distribution with independent components; a mapping from names to univariate distributions,
         or a sequence of them (then independent).
@@ -45,7 +46,7 @@ def as_openturns(distribution: Any) -> Any:
     TypeError
         If the object is none of these.
     ValueError
-        If it is discrete, its parameters make no distribution, a name occurs twice, or it is a
+        If its parameters make no distribution, a name occurs twice, or it is a
         chaospy distribution with dependent components.
     """
     ot = openturns()
@@ -59,14 +60,14 @@ def as_openturns(distribution: Any) -> Any:
             distribution, [f"input {i + 1} of the list" for i in range(len(distribution))]
         )
     if isinstance(distribution, ot.PythonDistribution):
-        return _continuous(ot.Distribution(distribution))
+        return ot.Distribution(distribution)
     origin = type(distribution).__module__.split(".")[0]
     if origin == "openturns":
-        return _continuous(ot.Distribution(distribution))
+        return ot.Distribution(distribution)
     make = {"scipy": _from_scipy, "chaospy": _from_chaospy}.get(origin)
     if make is not None and not isinstance(distribution, type):
         with np.errstate(all="ignore"):  # what overflows is found below, and refused
-            return _continuous(make(distribution))
+            return make(distribution)
     raise TypeError(
         f"{shown(distribution)} is not a distribution: give an OpenTURNS, a frozen scipy.stats "
         "or a chaospy distribution, or a mapping from names to such"
@@ -94,21 +95,17 @@ def _listed(distributions: Sequence[Any], names: Sequence[str]) -> Any:
     return ot.JointDistribution(parts)
 
 
-def _continuous(distribution: Any) -> Any:
-    if not distribution.isContinuous():
-        raise ValueError(f"{distribution} is not continuous: discrete inputs are not supported")
-    return distribution
-
-
 def _from_scipy(frozen: Any) -> Any:
     ot = openturns()
     if type(frozen).__name__ == "multivariate_normal_frozen":
         covariance = ot.CovarianceMatrix(np.atleast_2d(frozen.cov).tolist())
         return ot.Normal(np.atleast_1d(frozen.mean).tolist(), covariance)
-    from uqfold.inputs.scipy_variable import frozen_variable, is_variable
+    from uqfold.inputs.scipy_variable import frozen_variable, is_discrete, is_variable
 
     if is_variable(frozen):
         wrapped = frozen_variable(frozen)
+        if is_discrete(frozen):
+            return of_scipy(frozen, f"scipy.stats.{frozen}")
         return _variable_family(ot, frozen) or _wrapped_scipy(ot, wrapped)
     if any(kind.__name__ == "multi_rv_frozen" for kind in type(frozen).__mro__):
         raise TypeError(
@@ -117,14 +114,12 @@ def _from_scipy(frozen: Any) -> Any:
         )
     if not hasattr(frozen, "dist") or not hasattr(frozen, "ppf"):
         kind = type(frozen).__name__.removesuffix("_gen")
-        if hasattr(frozen, "pmf"):
-            raise ValueError(f"scipy.stats.{kind} is discrete: not supported")
+        if hasattr(frozen, "xk"):  # rv_discrete(values=...), which has no parameters
+            return of_scipy(frozen, "scipy.stats.rv_discrete")
         remedy = _SCIPY_REMEDIES.get(
             kind, "call it with its parameters, as in scipy.stats.norm(0, 1)"
         )
         raise TypeError(f"scipy.stats.{kind} is not a frozen distribution: {remedy}")
-    if not hasattr(frozen.dist, "pdf"):
-        raise ValueError(f"scipy.stats.{frozen.dist.name} is discrete: not supported")
     shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
     if any(np.ndim(parameter) > 0 for parameter in (*shapes, loc, scale)):
         raise ValueError(
@@ -139,6 +134,8 @@ def _from_scipy(frozen: Any) -> Any:
         real(f"{called}: {what}", value, finite=what in ("loc", "scale"), **bounds)
     if not np.all(frozen.dist._argcheck(*shapes)):
         raise ValueError(f"{scipy_name(frozen)}: the parameters make no distribution")
+    if not hasattr(frozen.dist, "pdf"):
+        return of_scipy(frozen, scipy_name(frozen))
     family = _SCIPY_FAMILIES.get(frozen.dist.name)
     if family is not None:
         try:
@@ -194,7 +191,7 @@ def _from_chaospy(distribution: Any) -> Any:
             )
         return ot.JointDistribution([_from_chaospy(part) for part in distribution])
     if distribution.interpret_as_integer:
-        raise ValueError(f"{distribution} is discrete: not supported")
+        return of_chaospy(distribution)
     try:
         quartiles = np.ravel(distribution.inv([0.25, 0.5, 0.75]))
     except AssertionError:  # how chaospy refuses parameters, once it is asked

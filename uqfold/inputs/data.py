@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from uqfold.checks import array, choice, or_none, real, refused, several
 from uqfold.inputs.convert import as_openturns
+from uqfold.inputs.counts import listed
 from uqfold.typing import FloatArray
 
 _FEWEST, _MOST = 10, 10_000
@@ -34,7 +35,8 @@ def from_data(
     family
         ``normal``, ``lognormal``, ``weibull``, ``gamma``, ``exponential`` (these start at zero),
         ``gumbel`` or ``logistic``: fitted by maximum likelihood, and refused where the data
-        contradict it. None: no family, the values themselves, smoothed by normal kernels.
+        contradict it. ``discrete``: the values as they are, each as often as it was seen. None: no
+        family, the values themselves, smoothed by normal kernels.
     bounds
         Where the smoothed distribution ends, as (0.0, math.inf); only without a family.
 
@@ -46,7 +48,8 @@ def from_data(
     Raises
     ------
     TypeError, ValueError
-        If there are too few or too many values, less than half of them differ, one lies outside
+        If there are too few or too many values, less than half of them differ without the family
+        ``discrete``, one lies outside
         the bounds, smoothing would reach beyond zero where all values are on one side of it, or
         a family is contradicted: an Anderson-Darling test with fitted parameters (their effect
         found by refitting 199 samples of the fit) refuses it at the level 1 %.
@@ -54,7 +57,8 @@ def from_data(
     Notes
     -----
     n values say little of probabilities below 1/n: there the smoothed distribution falls off as
-    its kernels do, and a fitted one as its family does, which no test on n values can confirm.
+    its kernels do, and a fitted one as its family does, which no test on n values can confirm. Of
+    ``discrete`` data nothing occurs that was not seen.
     Where many values lie near a bound, smoothing moves the mean away from it, by some percent.
     The uncertainty of what was fitted is not part of any error that a method states.
 
@@ -68,18 +72,23 @@ def from_data(
     values = array("data", data, ("n",))
     if not _FEWEST <= len(values) <= _MOST:
         raise refused("data", values, f"give {_FEWEST} to {_MOST:,} values, not {len(values)}")
-    distinct = len(np.unique(values))
-    if 2 * distinct < len(values):
-        remedy = "as of something discrete: give a distribution of your own"
-        raise refused("data", values, f"only {distinct} of {len(values)} values differ, {remedy}")
+    seen, times = np.unique(values, return_counts=True)
+    if family != "discrete" and 2 * len(seen) < len(values):
+        remedy = 'as of something discrete: give family="discrete", or a distribution of your own'
+        raise refused("data", values, f"only {len(seen)} of {len(values)} values differ, {remedy}")
     ends = several("bounds", bounds, real, finite=False)
     if len(ends) != 2:
         raise refused("bounds", bounds, "give two, a lower and an upper one")
     low, high = ends
-    if or_none("family", family, choice, _FAMILIES) is None:
+    known = [*_FAMILIES, "discrete"]
+    if or_none("family", family, choice, known) is None:
         return as_openturns(_smoothed(values, low, high))
     if math.isfinite(low) or math.isfinite(high):
         raise refused("bounds", bounds, "a family has its own, give bounds without a family")
+    if family == "discrete":
+        if len(seen) < 2:
+            raise refused("data", values, "all are the same: that is no random input")
+        return listed(seen, times / len(values))
     return as_openturns(_fitted(values, str(family)))
 
 

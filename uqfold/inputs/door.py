@@ -14,6 +14,7 @@ import numpy as np
 
 from uqfold.inputs.laws import closed_form
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
+from uqfold.inputs.stepped import discrete_marginal, mixed_marginal
 from uqfold.inputs.wrapped import WrappedMarginal, wrapped
 
 _LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0])
@@ -39,7 +40,7 @@ def checked_marginal(distribution: Any, name: str) -> Marginal:
     Parameters
     ----------
     distribution
-        Continuous univariate OpenTURNS distribution.
+        Univariate OpenTURNS distribution: continuous, discrete, or a mixture of both.
     name
         What messages call it.
 
@@ -48,6 +49,8 @@ def checked_marginal(distribution: Any, name: str) -> Marginal:
     ValueError
         If it does not pass, and there is no other form of it that does.
     """
+    if not distribution.isContinuous():
+        return _with_atoms(distribution, name)
     own = closed_form(distribution)
     if own is not None and _fault(own, _EXACT) is None:
         return own
@@ -60,6 +63,25 @@ def checked_marginal(distribution: Any, name: str) -> Marginal:
     raise ValueError(
         f"input {name!r} = {other}: {fault}; give parameters within double precision, or another "
         "distribution"
+    )
+
+
+def _with_atoms(distribution: Any, name: str) -> Marginal:
+    """Return an input that is not continuous; errors as in `checked_marginal`."""
+    try:
+        if distribution.isDiscrete():
+            return discrete_marginal(distribution)
+        mixed = mixed_marginal(distribution, lambda rest: checked_marginal(rest, name))
+    except (RuntimeError, ValueError, TypeError) as error:
+        said = str(error)
+        raise ValueError(
+            said if said.startswith("input ") else f"input {name!r} = {distribution}: {said}"
+        ) from error
+    if mixed is not None:
+        return mixed
+    raise ValueError(
+        f"input {name!r} = {distribution} is neither continuous nor discrete: give a mixture of "
+        "both (openturns.Mixture, or uqfold.inputs.censored)"
     )
 
 

@@ -102,8 +102,12 @@ def recurrence(marginal: Marginal, n: int) -> Recurrence | None:
     Raises
     ------
     ValueError
-        If density and quantiles of the marginal contradict each other.
+        If density and quantiles of the marginal contradict each other, or it takes single values.
     """
+    if marginal.atoms[0].size:
+        raise ValueError(
+            f"no Gauss rule for {marginal}: its nodes would be values that it does not take"
+        )
     own, family = family_of(marginal.distribution)
     if isinstance(marginal, ClosedMarginal) and family in _CLASSICAL:
         return _CLASSICAL[family](own, n)

@@ -80,6 +80,18 @@ class JointInputs(WithoutCaches):
         return not self.parts.dependent
 
     @property
+    def with_atoms(self) -> tuple[str, ...]:
+        """Names of the inputs that take single values with positive probability."""
+        pairs = zip(self.names, self.columns, strict=True)
+        return tuple(name for name, column in pairs if column.atoms[0].size)
+
+    @property
+    def with_steps(self) -> tuple[str, ...]:
+        """Names of the inputs that jump from one value to another, with none between them."""
+        pairs = zip(self.names, self.columns, strict=True)
+        return tuple(name for name, column in pairs if column.steps)
+
+    @property
     def dependence(self) -> str:
         """``independent``, or the name of the copula that joins the inputs."""
         return "independent" if self.independent else str(self.distribution.getCopula().getName())
@@ -188,7 +200,8 @@ class JointInputs(WithoutCaches):
         -------
         FloatArray
             Standard-normal variables (n, d), shared inputs first; infinite where a value lies
-            beyond a bound of its distribution.
+            beyond a bound of its distribution. An atom comes from an interval, of which this is the
+            middle: it leads back to X where the inputs are independent.
 
         Raises
         ------
@@ -246,7 +259,13 @@ class JointInputs(WithoutCaches):
         Returns
         -------
         of_shared, of_individual
-            Each (n,): of the shared inputs, and of the individual ones given these.
+            Each (n,): of the shared inputs, and of the individual ones given these; of an atom its
+            probability.
+
+        Raises
+        ------
+        ValueError
+            If an input with atoms depends on others.
         """
         x = array("x", x, ("n", self.dimension), finite=False)
         shared, all_of_them = np.zeros(len(x)), np.zeros(len(x))
@@ -257,6 +276,8 @@ class JointInputs(WithoutCaches):
                 shared += alone
         for part in self.parts.dependent:
             own = list(part.columns)
+            if steps := [self.names[i] for i in own if self.columns[i].atoms[0].size]:
+                raise ValueError(f"no joint density with {steps[0]}, which takes single values")
             columns = [self.columns[i] for i in own]
             all_of_them += part.log_density(x[:, own], columns)
             first = [i for i in own if i < self.n_shared]

@@ -85,6 +85,16 @@ class Marginal(WithoutCaches, ABC):
         return finite_moments(self.distribution)
 
     @property
+    def atoms(self) -> tuple[FloatArray, FloatArray]:
+        """Values (k,) of positive probability and these probabilities; empty if continuous."""
+        return np.empty(0), np.empty(0)
+
+    @property
+    def steps(self) -> bool:
+        """Whether the input jumps from one value to another, with none between, as normals rise."""
+        return False
+
+    @property
     def kinks(self) -> FloatArray:
         """Places (k,) where the density is known to be not smooth."""
         return np.empty(0)

@@ -18,6 +18,7 @@ import numpy as np
 from uqfold.inputs.behind import family_of
 from uqfold.inputs.dependence import CopulaPart, JointPart, NormalPart, Part
 from uqfold.inputs.engine import openturns
+from uqfold.inputs.laws import ClosedMarginal
 from uqfold.inputs.marginal import Marginal, OpenTURNSMarginal
 from uqfold.typing import FloatArray
 
@@ -185,6 +186,13 @@ def check_part(part: Part, marginals: Sequence[Marginal], names: Sequence[str]) 
         "give the distribution with the shared inputs first"
     )
     if isinstance(part, JointPart):
+        for name, marginal in zip(names, marginals, strict=True):
+            if marginal.atoms[0].size:
+                raise ValueError(
+                    f"{called}: {name} = {marginal} takes single values; give the joint "
+                    "distribution as marginals and a copula, or let one discrete input choose "
+                    "among rows that the model knows"
+                )
         own = {
             name: marginal
             for name, marginal in zip(names, marginals, strict=True)
@@ -198,6 +206,9 @@ def check_part(part: Part, marginals: Sequence[Marginal], names: Sequence[str]) 
     k = len(part.columns)
     if k > 2 and family_of(part.own)[1] == "MarginalDistribution":  # type: ignore[attr-defined]
         raise ValueError(f"{called} is known in this order only by integration: {remedy}")
+    # steps lead to no single place back, and have nothing to do with the copula
+    even = ClosedMarginal(openturns().Uniform(0.0, 1.0))
+    marginals = [even if marginal.atoms[0].size else marginal for marginal in marginals]
     u = np.array([[level * (-1.0) ** i for i in range(k)] for level in _PROBE])
     try:
         spent = []

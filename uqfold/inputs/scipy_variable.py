@@ -19,16 +19,19 @@ def is_variable(distribution: Any) -> bool:
     return hasattr(distribution, "icdf") and hasattr(distribution, "ccdf")
 
 
+def is_discrete(variable: Any) -> bool:
+    """Return whether a random variable takes single values only."""
+    return any(kind.__name__ == "DiscreteDistribution" for kind in type(variable).__mro__)
+
+
 def frozen_variable(variable: Any) -> Any:
     """Return a random variable as a frozen distribution.
 
     Raises
     ------
     ValueError
-        If it is discrete, or has arrays of parameters.
+        If it has arrays of parameters, or these make no distribution.
     """
-    if any(kind.__name__ == "DiscreteDistribution" for kind in type(variable).__mro__):
-        raise ValueError(f"scipy.stats.{type(variable).__name__} is discrete: not supported")
     kind, median = f"scipy.stats.{type(variable).__name__}", variable.median()
     if np.ndim(median) > 0:
         raise ValueError(f"{kind} with arrays of parameters: give one each")

@@ -51,6 +51,13 @@ def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
     return None if criterion.tau is None else "under tau units that differ need inputs of their own"
 
 
+def without_gauss_rules(problem: Problem) -> str | None:
+    """Return why integration by the rules of the inputs is impossible, or None."""
+    if steps := problem.kinds.with_atoms:
+        return f"there is no Gauss rule for {steps[0]}, which takes single values"
+    return None
+
+
 def checked_criteria(problem: Problem, criteria: CriteriaLike) -> Criteria:
     """Return the criteria as a grid; a number is a threshold, None the problem's default ones.
 

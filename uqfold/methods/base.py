@@ -163,6 +163,8 @@ class ReliabilityMethod(ABC):
     """Whether structures other than `Series` are answered."""
     units_may_differ: ClassVar[UnitsMayDiffer] = "never"
     """Whether units that differ are answered: by their offsets alone, or in every way."""
+    inputs_may_step: ClassVar[bool] = False
+    """Whether discrete inputs are answered, over which the response has steps."""
     adaptive: ClassVar[bool] = False
     """Whether what it has seen decides where it runs the model next. Rounding then decides between
     places that promise the same, so that another machine may take another sample."""
@@ -185,8 +187,8 @@ class ReliabilityMethod(ABC):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
 
-        This default goes by `any_structure` and `units_may_differ`; tau needs a series. A subclass
-        that adds reasons of its own calls it first.
+        This default goes by `any_structure`, `units_may_differ` and `inputs_may_step`; tau needs a
+        series. A subclass that adds reasons of its own calls it first.
         """
         checked_problem(problem)
         instance("criterion", criterion, Criterion, "give a Criterion")
@@ -199,6 +201,8 @@ class ReliabilityMethod(ABC):
             return f"{self.name} needs a series structure, not {structure}"
         if criterion.tau is not None and not isinstance(structure, Series):
             return f"tau compares all units of a mission: it needs Series(), not {structure}"
+        if kinds.with_steps and not self.inputs_may_step:
+            return f"{self.name} needs continuous inputs, and {kinds.with_steps[0]} is discrete"
         try:
             SystemUnits.of(problem)
         except ValueError as error:

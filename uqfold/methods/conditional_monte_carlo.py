@@ -110,6 +110,7 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
+    inputs_may_step: ClassVar[bool] = True
 
     blocks: int | None = None
     missions_per_draw: int = 4

@@ -10,7 +10,7 @@ import numpy as np
 
 from uqfold.checks import choice, flag, instance, keep, real
 from uqfold.evaluation import BudgetExceededError
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_ends,
@@ -130,7 +130,11 @@ class FFNI(ReliabilityMethod):
                 f"distribution = {self.distribution!r} has no density for a synchronization "
                 "threshold: give 'pearson' or another family"
             )
-        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        return (
+            super().supports(problem, criterion)
+            or without_gauss_rules(problem)
+            or without_own_inputs(problem, criterion)
+        )
 
     def _solve(self, task: Task) -> Solution:
         kinds = task.problem.kinds

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 from uqfold.checks import choice, flag, keep, or_none, real, whole
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_ends, doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_check import design_with_verdicts
@@ -104,7 +104,7 @@ class FFNIPearson(ReliabilityMethod):
         """Return why not, or None: the reasons of the base, and rows of several kinds of units."""
         if self.rows is not None and len(problem.kinds.models) > 1:
             return "units of several kinds are integrated, not sampled: leave out rows="
-        reason = super().supports(problem, criterion)
+        reason = super().supports(problem, criterion) or without_gauss_rules(problem)
         several = len(problem.kinds.models) > 1
         return reason or (without_own_inputs(problem, criterion) if several else None)
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.checks import flag, keep, real
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_nodes,
@@ -95,7 +95,11 @@ class FFNISaddlepoint(ReliabilityMethod):
                 "the saddlepoint approximation gives no density for a synchronization threshold: "
                 "use ffni-pearson"
             )
-        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        return (
+            super().supports(problem, criterion)
+            or without_gauss_rules(problem)
+            or without_own_inputs(problem, criterion)
+        )
 
     def _solve(self, task: Task) -> Solution:
         family, problem = FAMILIES["saddlepoint"], task.problem

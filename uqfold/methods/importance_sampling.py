@@ -101,6 +101,7 @@ class ImportanceSampling(RareEventMethod):
     title: ClassVar[str] = "Importance sampling"
     theory: ClassVar[Theory] = IMPORTANCE_SAMPLING
     each_alone: ClassVar[bool] = True
+    inputs_may_step: ClassVar[bool] = True
 
     samples: int | None = None
     target_cov: float | None = None

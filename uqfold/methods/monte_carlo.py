@@ -93,6 +93,7 @@ class MonteCarlo(ReliabilityMethod):
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
+    inputs_may_step: ClassVar[bool] = True
 
     systems: int | None = None
     target_cov: float | None = None

@@ -120,6 +120,7 @@ class MultifidelityMonteCarlo(SequentialMethod):
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
+    inputs_may_step: ClassVar[bool] = True
 
     systems: int | None = None
     partner_systems: int | None = None

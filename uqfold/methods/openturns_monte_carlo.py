@@ -102,6 +102,7 @@ class OpenTURNSMonteCarlo(ReliabilityMethod):
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
+    inputs_may_step: ClassVar[bool] = True
 
     target_cov: float = 0.1
     block_size: int = 200

@@ -120,6 +120,7 @@ class SubsetSimulation(RareEventMethod):
     name: ClassVar[str] = "subset-simulation"
     title: ClassVar[str] = "Subset simulation"
     theory: ClassVar[Theory] = SUBSET_SIMULATION
+    inputs_may_step: ClassVar[bool] = True
 
     samples: int = 1_000
     repetitions: int | None = None

@@ -139,6 +139,16 @@ class UnitKinds:
         return len(self.models) == 1 and (self.offsets is None or not self.offsets.any())
 
     @property
+    def with_atoms(self) -> tuple[str, ...]:
+        """Names of the inputs of any kind that take single values with positive probability."""
+        return tuple(dict.fromkeys(name for one in self.inputs for name in one.with_atoms))
+
+    @property
+    def with_steps(self) -> tuple[str, ...]:
+        """Names of the inputs of any kind that jump from one value to another."""
+        return tuple(dict.fromkeys(name for one in self.inputs for name in one.with_steps))
+
+    @property
     def n_shared(self) -> int:
         """Number of shared inputs."""
         return self.inputs[0].n_shared
