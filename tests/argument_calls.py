@@ -698,7 +698,11 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "inputs.censored": Call(
             inputs.censored,
-            {"distribution": thing(normal), "low": any_number(0.0), "high": any_number(3.0)},
+            {
+                "distribution": thing(normal),
+                "low": any_number(0.0).also("minus infinity"),
+                "high": any_number(3.0).also("infinity"),
+            },
         ),
         "inputs.normal": Call(inputs.normal, {"mean": any_number(), "std": number()}),
         "inputs.product_inputs": Call(

@@ -17,7 +17,7 @@ from uqfold.inputs.marginal import called
 from uqfold.inputs.wrapped import ChaospyLaw
 from uqfold.typing import FloatArray
 
-Table: TypeAlias = tuple[FloatArray, FloatArray]
+ValueTable: TypeAlias = tuple[FloatArray, FloatArray]
 """Values (k,), increasing, and their probabilities (k,), all positive."""
 
 MOST_VALUES = 1_000_000
@@ -29,7 +29,7 @@ _DEVIATIONS = 10.0
 _AGREE = 1e-9
 
 
-def table_of(distribution: Any) -> Table:
+def table_of(distribution: Any) -> ValueTable:
     """Return the table of a discrete OpenTURNS distribution.
 
     Raises
@@ -103,7 +103,7 @@ _FAMILIES: dict[str, Callable[[Any, float, float], Any]] = {
 """Name in SciPy -> (openturns module, mean, largest value) -> distribution."""
 
 
-def _as_openturns(table: Table, name: str) -> Any:
+def _as_openturns(table: ValueTable, name: str) -> Any:
     made = listed(*table)
     made.setName(name)
     return openturns().Distribution(made)
@@ -115,7 +115,7 @@ def _around(
     variance: float,
     support: tuple[float, float],
     name: str,
-) -> Table:
+) -> ValueTable:
     """Return the table of whole numbers around a mean, within a support."""
     if not (math.isfinite(mean) and math.isfinite(variance)):
         raise ValueError(f"{name} has no finite mean and standard deviation")
@@ -135,7 +135,7 @@ def _whole_numbers(
     probability: Callable[[FloatArray], FloatArray],
     ends: tuple[float, float],
     are_last: tuple[bool, bool],
-) -> Table:
+) -> ValueTable:
     """Return the table of whole numbers.
 
     Parameters
@@ -161,7 +161,7 @@ def _whole_numbers(
     return _occurring(values, probability(values))
 
 
-def _occurring(values: FloatArray, probabilities: FloatArray) -> Table:
+def _occurring(values: FloatArray, probabilities: FloatArray) -> ValueTable:
     found = probabilities > 0.0
     return values[found], probabilities[found]
 

@@ -67,10 +67,10 @@ def discrete(values: ArrayLike, probabilities: ArrayLike) -> Any:
     0.5
     """
     x, p = array("values", values, ("k",)), array("probabilities", probabilities, ("k",))
-    if len(x) != len(p):
-        raise refused("probabilities", p, f"give one for each of the {len(x)} values")
     if len(np.unique(x)) < max(len(x), 2):
         raise refused("values", x, "give at least two, each of them once")
+    if len(x) != len(p):
+        raise refused("probabilities", p, f"give one for each of the {len(x)} values")
     if not (p >= 0.0).all():
         raise refused("probabilities", p, "give none below zero")
     if not abs(float(p.sum()) - 1.0) <= _ROUNDING:
@@ -107,7 +107,10 @@ def censored(distribution: Any, low: float = -math.inf, high: float = math.inf) 
     0.500
     """
     ot = openturns()
-    whole = as_openturns(distribution)
+    try:
+        whole = as_openturns(distribution)
+    except (TypeError, ValueError) as error:
+        raise refused("distribution", distribution, str(error), type(error)) from error
     if whole.getDimension() != 1 or not whole.isContinuous():
         raise refused("distribution", distribution, "give a continuous one of one input")
     bounds = real("low", low, finite=False), real("high", high, finite=False)
