@@ -176,7 +176,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "evaluation.EvaluationSession.expect", "evaluation.EvaluationSession.share",
     "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
-    "methods.AskTellSession.replay",
+    "methods.AskTellSession", "methods.AskTellSession.replay",
     "methods.FullFactorial.grids", "methods.SparseGrid.grids", "methods.DimensionReduction.grids",
     "methods.Estimate.without_answer", "methods.Task.generator",
     "methods.Task.summed_up", "testing.LinearNormalSystem.partner",
@@ -774,9 +774,6 @@ def calls(folder: Path) -> dict[str, Call]:
         "system.SystemEvent.bounds_of": Call(
             event.bounds_of, {**of_event, "y": numbers([0.0, 1.0])}
         ),
-        "methods.AskTellSession": Call(
-            methods.AskTellSession, {"method": thing(methods.Kriging(runs=6)), **of, **run}
-        ),
         "methods.AskTellSession.tell": Call(
             lambda x, y: methods.Kriging(runs=6).start(problem, criterion, rng=1).tell(x, y),
             {"x": thing(session.ask()), "y": thing(np.zeros(6))},
@@ -925,8 +922,8 @@ def calls(folder: Path) -> dict[str, Call]:
                 "warp": flag(),
             },
         ),
-        "methods.SequentialMethod.start": Call(methods.Kriging(runs=6).start, {**of, **run}),
-        "methods.SequentialMethod.resume": Call(
+        "ReliabilityMethod.start": Call(methods.Kriging(runs=6).start, {**of, **run}),
+        "ReliabilityMethod.resume": Call(
             methods.Kriging(runs=6).resume,
             {
                 "path": Kind(str(saved), saved, frozenset({"text"})),

@@ -27,7 +27,7 @@ from uqfold.methods import (
     Solution,
     Task,
 )
-from uqfold.methods.ask_tell import SequentialMethod
+from uqfold.methods.steps import SequentialMethod
 from uqfold.surrogates.gaussian_process import fit_gaussian_process
 from uqfold.testing.conduct import same_numbers
 from uqfold.testing.curved import CurvedSystem

@@ -13,8 +13,9 @@ import pytest
 
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import Estimate, ReliabilityResult, Solution, Task
-from uqfold.methods.ask_tell import AskTellSession, SequentialMethod, Steps
+from uqfold.methods.ask_tell_session import AskTellSession
 from uqfold.methods.session_file import SCHEMA, WITHOUT_DIGEST, SessionFileError
+from uqfold.methods.steps import SequentialMethod, Steps
 from uqfold.problems import Problem
 from uqfold.problems.base import Unit
 from uqfold.problems.criterion import Binomial, Criterion, criteria

@@ -1,9 +1,6 @@
 from uqfold.methods.active_kriging import ActiveKriging as ActiveKriging
 from uqfold.methods.automatic import Automatic as Automatic
-from uqfold.methods.ask_tell import (
-    AskTellSession as AskTellSession,
-    SequentialMethod as SequentialMethod,
-)
+from uqfold.methods.ask_tell_session import AskTellSession as AskTellSession
 from uqfold.methods.base import (
     ReliabilityMethod as ReliabilityMethod,
     Solution as Solution,
@@ -30,6 +27,7 @@ from uqfold.methods.multifidelity_monte_carlo import (
 from uqfold.methods.openturns_form import OpenTURNSFORM as OpenTURNSFORM
 from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo as OpenTURNSMonteCarlo
 from uqfold.methods.polynomial_chaos import PolynomialChaos as PolynomialChaos
+from uqfold.methods.quasi_monte_carlo import QuasiMonteCarlo as QuasiMonteCarlo
 from uqfold.methods.registry import available as available, build as build
 from uqfold.methods.result import (
     CriterionResult as CriterionResult,
@@ -37,4 +35,5 @@ from uqfold.methods.result import (
     ReliabilityResult as ReliabilityResult,
 )
 from uqfold.methods.sorm import SORM as SORM
+from uqfold.methods.steps import SequentialMethod as SequentialMethod
 from uqfold.methods.subset_simulation import SubsetSimulation as SubsetSimulation

@@ -30,7 +30,6 @@ from uqfold.methods.active_stopping import (
 )
 from uqfold.methods.active_view import KindView, View
 from uqfold.methods.arguments import without_own_inputs
-from uqfold.methods.ask_tell import SequentialMethod, Steps
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.design_runs import (
     DesignRuns,
@@ -43,6 +42,7 @@ from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import STREAMS, Growth, divided, first_runs
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
+from uqfold.methods.steps import SequentialMethod, Steps
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem

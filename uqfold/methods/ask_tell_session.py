@@ -2,43 +2,89 @@
 
 from __future__ import annotations
 
+import contextvars
+import threading
 import time
-from dataclasses import dataclass, field
+import weakref
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from os import PathLike
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uqfold.algebra import one_blas_thread
-from uqfold.checks import array, instance, refused, shown
+from uqfold.checks import array, refused, shown
 from uqfold.checks import path as checked_path
-from uqfold.evaluation import Evaluator
+from uqfold.evaluation import EvaluationSession
 from uqfold.methods import session_file
-from uqfold.methods.arguments import CriteriaLike, checked_evaluator
-from uqfold.methods.base import OpenRun, Solution
 from uqfold.methods.result import ReliabilityResult
-from uqfold.methods.seeding import RandomSource
-from uqfold.methods.steps import SteppedMethod
-from uqfold.problems.base import Problem
 from uqfold.problems.responses import ResponseError, numbers_in
 from uqfold.typing import FloatArray
 
+T = TypeVar("T")
 
-@dataclass
-class _ToldModel:
-    """Stands in for the model: hands out responses that were told, in order."""
 
-    y: FloatArray = field(default_factory=lambda: np.empty(0))
-    position: int = 0
+class Elsewhere:
+    """Stands in for the model in the thread of a method: hands rows out, waits for responses."""
+
+    def __init__(self) -> None:
+        self._turn = threading.Condition()
+        self._x: FloatArray | None = None
+        self._y: list[FloatArray] = []
+        self._ended = False
+        self._left = False
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        self.position += x.shape[0]
-        return self.y[self.position - x.shape[0] : self.position]
+        """Return the responses (n,) of rows X (n, d) once somebody has told them."""
+        with self._turn:
+            self._x = x
+            self._turn.notify_all()
+            self._turn.wait_for(lambda: self._y or self._left)
+            if not self._y:
+                raise _LeftError
+            return self._y.pop()
+
+    def run(self, work: Callable[[], None]) -> None:
+        """Do the work of a method in a thread of its own, in the context of the caller."""
+
+        def whole() -> None:
+            with suppress(_LeftError):
+                work()
+            with self._turn:
+                self._ended = True
+                self._turn.notify_all()
+
+        context = contextvars.copy_context()
+        threading.Thread(target=context.run, args=(whole,), daemon=True).start()
+
+    def asked(self) -> FloatArray | None:
+        """Wait for the method: return the rows that it asks for, or None at its end."""
+        with self._turn:
+            self._turn.wait_for(lambda: self._x is not None or self._ended)
+            return self._x
+
+    def tell(self, y: FloatArray) -> None:
+        """Let the method go on with responses (n,)."""
+        with self._turn:
+            self._x = None
+            self._y.append(y)
+            self._turn.notify_all()
+
+    def leave(self) -> None:
+        """Let the thread end where it waits."""
+        with self._turn:
+            self._left = True
+            self._turn.notify_all()
+
+
+class _LeftError(KeyboardInterrupt):
+    """The session is gone. No method takes it for a failed run."""
 
 
 class AskTellSession:
-    """One estimate whose evaluations are made outside; from `SequentialMethod.start`.
+    """One estimate whose evaluations are made outside; from `ReliabilityMethod.start`.
 
     ::
 
@@ -49,53 +95,69 @@ class AskTellSession:
         result = session.result()
 
     On the same processor the result is that of `estimate` with the same arguments, bit for bit,
-    except for `seconds`, which counts the method's own time only.
+    except for `seconds`, which counts the method's own time only. The method works in a thread of
+    its own, which waits while runs are made.
+
+    Parameters
+    ----------
+    elsewhere
+        What the method has for a model.
+    session
+        The count of its runs.
+    header
+        What identifies the run in a file, besides the rows.
+    solve
+        Runs the method.
+    finish
+        Makes the result of what `solve` has returned and of the method's own seconds.
     """
 
     def __init__(
         self,
-        method: SteppedMethod,
-        problem: Problem,
-        criteria: CriteriaLike,
-        max_evals: int | None,
-        rng: RandomSource,
-        evaluator: Evaluator | None,
+        elsewhere: Elsewhere,
+        session: EvaluationSession,
+        header: Mapping[str, Any],
+        solve: Callable[[], T],
+        finish: Callable[[T, float], ReliabilityResult],
     ) -> None:
-        instance("method", method, (SteppedMethod,), "give a method such as Kriging()")
-        self._method = method
-        self._told = _ToldModel()
-        settings = checked_evaluator(evaluator)
-        self._run: OpenRun = method._opened(
-            problem, criteria, max_evals, rng, settings, model=self._told
-        )
-        self._steps = method._steps(self._run.task)
-        self._history: list[tuple[FloatArray, FloatArray]] = []
+        self._elsewhere, self._session, self._header = elsewhere, session, header
+        self._finish: Callable[[float], ReliabilityResult] | None = None
+        self._error: BaseException | None = None
+        self._told: list[tuple[FloatArray, FloatArray]] = []
         self._asked: FloatArray | None = None
         self._answers: FloatArray = np.empty(0)
         self._open: dict[bytes, list[int]] = {}
-        self._solution: Solution | None = None
-        self._error: Exception | None = None
         self._seconds = 0.0
-        if self._run.task.criteria:
-            self._advance(None)
-        else:
-            self._solution = Solution([])
+        ended: list[Callable[[float], ReliabilityResult] | BaseException] = []
+
+        def work() -> None:
+            try:
+                ended.append(partial(finish, solve()))
+            except _LeftError:
+                raise
+            except BaseException as error:
+                ended.append(error)
+
+        self._ended = ended
+        # the thread knows nothing of this object, which is gone when nobody holds it any more
+        weakref.finalize(self, elsewhere.leave).atexit = False
+        elsewhere.run(work)
+        self._advance()
 
     @property
     def done(self) -> bool:
         """Whether nothing more is to be asked, and the result is there."""
-        return self._solution is not None or self._error is not None
+        return self._finish is not None or self._error is not None
 
     @property
     def seed(self) -> int:
         """The recorded seed."""
-        return self._run.task.seed
+        return int(self._header["seed"])
 
     @property
     def n_evals(self) -> int:
         """Responses told so far, those of an unfinished batch included."""
-        open_rows = 0 if self._asked is None else self._asked.shape[0] - self._missing
-        return self._run.task.session.n_evals + open_rows
+        return sum(y.size for _, y in self._told) + self._answers.size - self._missing
 
     @property
     def _missing(self) -> int:
@@ -169,11 +231,11 @@ class AskTellSession:
         """
         if self._error is not None:
             raise self._error
-        if self._solution is None:
+        if self._finish is None:
             raise RuntimeError(
                 f"{self._missing} responses are still wanted: ask() for their rows and tell() them"
             )
-        return self._method._finished(self._run, self._solution, self._seconds)
+        return self._finish(self._seconds)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write all responses told so far to a file, from which `resume` goes on.
@@ -191,21 +253,14 @@ class AskTellSession:
             If it cannot be written.
         """
         path = checked_path("path", path)
-        batches = list(self._history)
+        batches = list(self._told)
         if self._asked is not None:
             batches.append((self._asked, self._answers))
         told = np.ones(sum(x.shape[0] for x, _ in batches), dtype=np.bool_)
         if self._asked is not None:
             first = told.size - self._asked.shape[0]
             told[[first + row for some in self._open.values() for row in some]] = False
-        session_file.write(path, self.header(), batches, told)
-
-    def header(self) -> dict[str, Any]:
-        """Return what identifies this run in a file."""
-        task = self._run.task
-        return session_file.header(
-            self._method, task.problem, self._run.asked, task.seed, task.session
-        )
+        session_file.write(path, self._header, batches, told)
 
     def replay(self, saved: session_file.SavedSession) -> None:
         """Tell a fresh session all responses of a file.
@@ -213,56 +268,50 @@ class AskTellSession:
         Raises
         ------
         SessionFileError
-            If this session asks for other rows than those in the file.
+            If the file belongs to another run, or this session asks for other rows than those in
+            the file.
         """
-        for x, y, told in saved.batches:
-            if self._asked is None or not session_file.same_rows(x, self._asked):
+        saved.check_belongs_to(self._header)
+        first = 0
+        while first < saved.y.size:
+            rows = slice(first, first + (0 if self._asked is None else self._asked.shape[0]))
+            x, y, told = saved.x[rows], saved.y[rows], saved.told[rows]
+            if self._asked is None or not session_file.same_rows(x, self._asked[: x.shape[0]]):
                 raise session_file.SessionFileError(
                     f"{saved.path}: this method asks for other rows than those in the file, which "
                     "another version of the method or other inputs have made"
                 )
-            self.tell(self._asked[told], y[told])
+            first += x.shape[0]
+            self.tell(self._asked[: x.shape[0]][told], y[told])
 
     def _close_batch(self) -> None:
         assert self._asked is not None
         x, y = self._asked, self._answers
-        self._history.append((x, y))
-        self._told.y = np.concatenate([self._told.y, y])
-        self._asked = None
-        try:
-            responses = self._run.task.session.evaluate(x)
-        except Exception as error:
-            self._end(error)
-            return
-        self._advance(responses)
+        self._told.append((x, y))
+        self._asked, self._answers = None, np.empty(0)
+        self._elsewhere.tell(y)
+        self._advance()
+        if self._error is not None:
+            raise self._error
 
-    def _advance(self, responses: FloatArray | None) -> None:
-        """Run the method up to its next question or its end."""
+    def _advance(self) -> None:
+        """Wait until the method has its next question, or has come to its end."""
         started = time.perf_counter()
-        task = self._run.task
-        try:
-            with one_blas_thread():
-                x = next(self._steps) if responses is None else self._steps.send(responses)
-            self._asked = task.session.admit(x) + 0.0
-        except StopIteration as stop:
-            found: Solution = stop.value
-            self._solution = self._method._guarded(task, lambda: found)
-        except Exception as error:
-            self._end(error)
-        else:
-            self._answers = np.full(self._asked.shape[0], np.nan)
-            self._open = {}
-            for index, row in enumerate(self._asked):
-                self._open.setdefault(row.tobytes(), []).append(index)
+        x = self._elsewhere.asked()
         self._seconds += time.perf_counter() - started
-
-    def _end(self, error: Exception) -> None:
-        """End like `estimate` ends when its hook raises."""
-        try:
-            self._solution = self._method._failed(self._run.task, error)
-        except Exception as raised:
-            self._error = raised
-            raise
+        if x is None:
+            [end] = self._ended
+            if isinstance(end, BaseException):
+                self._error = end
+            else:
+                self._finish = end
+            return
+        # adding zero turns -0.0 into 0.0, so that equal rows have equal bytes
+        self._asked = x + 0.0
+        self._answers = np.full(x.shape[0], np.nan)
+        self._open = {}
+        for index, row in enumerate(self._asked):
+            self._open.setdefault(row.tobytes(), []).append(index)
 
 
 def _told_responses(y: ArrayLike) -> FloatArray:

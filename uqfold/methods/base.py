@@ -1,7 +1,8 @@
 """The interface of every reliability method.
 
 A method is a frozen record of settings plus one hook, `_solve`. Counting, budget, seeds, failed
-runs, time and status belong to the base, so that all methods treat them alike.
+runs, time and status belong to the base, so that all methods treat them alike; so does it who makes
+the runs: `estimate` calls the model, a session of `start` asks its caller for them.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
 from uqfold.checks import instance, keep, or_none, raised, several
+from uqfold.checks import path as checked_path
 from uqfold.evaluation import (
     BudgetExceededError,
     EngineError,
@@ -26,6 +29,7 @@ from uqfold.evaluation import (
     FailedRunError,
     TimeLimitError,
 )
+from uqfold.methods import session_file
 from uqfold.methods.arguments import (
     CriteriaLike,
     checked_budget,
@@ -33,6 +37,7 @@ from uqfold.methods.arguments import (
     checked_evaluator,
     checked_problem,
 )
+from uqfold.methods.ask_tell_session import AskTellSession, Elsewhere
 from uqfold.methods.result import (
     NO_ANSWER,
     STATUSES,
@@ -259,6 +264,79 @@ class ReliabilityMethod(ABC):
         run = self._opened(problem, criteria, max_evals, rng, settings)
         solution = self._guarded(run.task, lambda: self._solve(run.task))
         return self._finished(run, solution, time.perf_counter() - started)
+
+    @final
+    def start(
+        self,
+        problem: Problem,
+        criteria: CriteriaLike = None,
+        *,
+        max_evals: int | None = None,
+        rng: RandomSource = None,
+        evaluator: Evaluator | None = None,
+    ) -> AskTellSession:
+        """Start an estimate whose evaluations the caller makes.
+
+        Parameters as in `estimate`. The problem's own model is never called; of the evaluator,
+        the policy for failed runs, the rows asked for at once and the progress display are used.
+
+        Returns
+        -------
+        AskTellSession
+            Ask it for rows, tell it their responses, and take its result when it is done.
+        """
+        elsewhere = Elsewhere()
+        settings = checked_evaluator(evaluator)
+        run = self._opened(problem, criteria, max_evals, rng, settings, model=elsewhere)
+        task = run.task
+        return AskTellSession(
+            elsewhere,
+            task.session,
+            session_file.header(self, problem, run.asked, task.seed, task.session),
+            lambda: self._guarded(task, lambda: self._solve(task)),
+            lambda solution, seconds: self._finished(run, solution, seconds),
+        )
+
+    @final
+    def resume(
+        self,
+        path: str | PathLike[str],
+        problem: Problem,
+        criteria: CriteriaLike = None,
+        *,
+        max_evals: int | None = None,
+        rng: RandomSource = None,
+        evaluator: Evaluator | None = None,
+    ) -> AskTellSession:
+        """Go on with a session saved by `AskTellSession.save`, by replaying its responses.
+
+        Parameters
+        ----------
+        path
+            The file.
+        problem, criteria, evaluator
+            As in `start`; they are compared with what the file recorded.
+        max_evals, rng
+            None takes both from the file. Other values must be those of the file.
+
+        Raises
+        ------
+        SessionFileError
+            If the file is damaged, is not a session file, or belongs to another method, problem,
+            criteria, budget, seed or policy for failed runs.
+        """
+        checked_problem(problem)
+        checked_criteria(problem, criteria)
+        saved = session_file.read(checked_path("path", path))
+        session = self.start(
+            problem,
+            criteria,
+            max_evals=saved.header["max_evals"] if max_evals is None else max_evals,
+            rng=saved.header["seed"] if rng is None else rng,
+            evaluator=evaluator,
+        )
+        session.replay(saved)
+        return session
 
     def _opened(
         self,

@@ -17,10 +17,9 @@ from uqfold.evaluation import (
     FailedRunError,
     TimeLimitError,
 )
-from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.result import Estimate
-from uqfold.methods.steps import Steps
+from uqfold.methods.steps import SequentialMethod, Steps
 from uqfold.methods.system_sample import RUNS_WITHOUT_A_BUDGET, too_large
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion, Missions

@@ -24,6 +24,7 @@ _BUILT_IN: dict[str, str] = {
     "pce": "uqfold.methods.polynomial_chaos:PolynomialChaos",
     "active-kriging": "uqfold.methods.active_kriging:ActiveKriging",
     "mc": "uqfold.methods.monte_carlo:MonteCarlo",
+    "qmc": "uqfold.methods.quasi_monte_carlo:QuasiMonteCarlo",
     "conditional-mc": "uqfold.methods.conditional_monte_carlo:ConditionalMonteCarlo",
     "multifidelity-mc": "uqfold.methods.multifidelity_monte_carlo:MultifidelityMonteCarlo",
     "subset-simulation": "uqfold.methods.subset_simulation:SubsetSimulation",

@@ -18,7 +18,6 @@ import numpy as np
 
 from uqfold.checks import shown
 from uqfold.evaluation import EvaluationSession
-from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.session_lock import LockedError, locked
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
@@ -46,13 +45,16 @@ class SavedSession:
         The file.
     header
         What identifies the run.
-    batches
-        X (n, d), y (n,) and which of them were told (n,), batch by batch.
+    x, y, told
+        Rows X (n, d) in the order in which they were asked for, responses (n,), and which of them
+        were told (n,).
     """
 
     path: Path
     header: Mapping[str, Any]
-    batches: Sequence[tuple[FloatArray, FloatArray, BoolArray]]
+    x: FloatArray
+    y: FloatArray
+    told: BoolArray
 
     def check_belongs_to(self, expected: Mapping[str, Any]) -> None:
         """Compare with the header of the run that wants to go on from here.
@@ -71,7 +73,7 @@ class SavedSession:
 
 
 def header(
-    method: ReliabilityMethod,
+    method: object,
     problem: Problem,
     criteria: Iterable[Criterion],
     seed: int,
@@ -137,15 +139,17 @@ def write(
         If the file cannot be written.
     """
     target = Path(path)
+    x = np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0))
+    y = np.concatenate([y for _, y in batches]) if batches else np.empty(0)
     try:
         with locked(target):
             if target.exists() and target.stat().st_size:
-                _check_kept(read(target), head, batches, told)
+                _check_kept(read(target), head, x, y, told)
             with replacing(target) as stream:
                 text = json.dumps({"schema": SCHEMA, **head})
                 arrays: dict[str, np.ndarray[Any, Any]] = {
-                    "x": np.concatenate([x for x, _ in batches]) if batches else np.empty((0, 0)),
-                    "y": np.concatenate([y for _, y in batches]) if batches else np.empty(0),
+                    "x": x,
+                    "y": y,
                     "told": told,
                     "rows": np.array([x.shape[0] for x, _ in batches], dtype=np.int64),
                 }
@@ -156,26 +160,21 @@ def write(
 
 
 def _check_kept(
-    former: SavedSession,
-    head: Mapping[str, Any],
-    batches: Sequence[tuple[FloatArray, FloatArray]],
-    told: BoolArray,
+    former: SavedSession, head: Mapping[str, Any], x: FloatArray, y: FloatArray, told: BoolArray
 ) -> None:
     """Refuse to replace a file whose responses are not all among those to be written."""
     former.check_belongs_to(head)
-    start = 0
-    for i, (x, y, answered) in enumerate(former.batches):
-        kept = False
-        if i < len(batches) and same_rows(x, batches[i][0]):
-            ours = told[start : start + y.size]
-            same = np.array_equal(y[answered], batches[i][1][answered], equal_nan=True)
-            kept = bool(ours[answered].all()) and same
-        if not kept and answered.any():
-            raise SessionFileError(
-                f"{former.path} holds responses that this session has not, told to another one "
-                "of the same run: resume that file, save to another, or remove it"
-            )
-        start += y.size
+    answered = np.flatnonzero(former.told)
+    n = int(answered[-1]) + 1 if answered.size else 0
+    kept = n <= y.size and (n == 0 or same_rows(former.x[:n], x[:n]))
+    if kept:
+        same = np.array_equal(former.y[answered], y[answered], equal_nan=True)
+        kept = same and bool(told[answered].all())
+    if not kept:
+        raise SessionFileError(
+            f"{former.path} holds responses that this session has not, told to another one "
+            "of the same run: resume that file, save to another, or remove it"
+        )
 
 
 def read(path: str | PathLike[str]) -> SavedSession:
@@ -211,12 +210,7 @@ def read(path: str | PathLike[str]) -> SavedSession:
     guarded = head["schema"] == SCHEMA or digest is not None
     if guarded and digest != _digest(text, (x, y, told, rows)):
         raise SessionFileError(f"{source} is damaged: it does not have the digest that it states")
-    ends = np.cumsum(rows)
-    batches = [
-        (x[end - n : end], y[end - n : end], told[end - n : end])
-        for n, end in zip(rows, ends, strict=True)
-    ]
-    return SavedSession(source, head, batches)
+    return SavedSession(source, head, x, y, told)
 
 
 def _digest(header: str, arrays: Iterable[np.ndarray[Any, Any]]) -> str:

@@ -16,7 +16,7 @@ Steps: TypeAlias = Generator[FloatArray, FloatArray, Solution]
 
 
 @dataclass(frozen=True)
-class SteppedMethod(ReliabilityMethod):
+class SequentialMethod(ReliabilityMethod):
     """A method that asks for evaluations step by step; its hook is the generator `_steps`.
 
     When the wall-clock limit of the evaluator is over, `TimeLimitError` is raised at the ``yield``.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -167,8 +168,20 @@ class SystemBlock:
         return {profile: Worst(*worst[:, system, count]) for profile, count in self.flown.items()}
 
 
+class Source(Protocol):
+    """Where the numbers of systems come from; `numpy.random.Generator` is one."""
+
+    def standard_normal(self, shape: Any) -> FloatArray:
+        """Return standard-normal numbers."""
+        ...
+
+    def random(self, shape: Any) -> FloatArray:
+        """Return numbers between 0 and 1."""
+        ...
+
+
 def draw_systems(
-    problem: Problem, criteria: Sequence[Criterion], rng: np.random.Generator, size: int
+    problem: Problem, criteria: Sequence[Criterion], rng: Source, size: int
 ) -> SystemBlock:
     """Draw a block of systems.
 
@@ -179,7 +192,7 @@ def draw_systems(
     criteria
         What will be asked of the systems; they fly as many missions as the longest of them.
     rng
-        Stream of the block.
+        Stream of the block; asked for shared numbers, individual ones, and those of missions.
     size
         Number of systems.
     """

@@ -61,7 +61,7 @@ class Problem:
         response is the quantity that must stay small. +inf is a valid response that fails every
         criterion; NaN, a masked entry or an exception is a failed run. A function of one sample
         (d,) is wrapped by `uqfold.evaluation.per_sample`. None where runs are made elsewhere: then
-        sessions of methods (`SequentialMethod.start`) ask for them.
+        sessions of methods (`ReliabilityMethod.start`) ask for them.
     inputs
         Joint distribution of all inputs (second form), or the ``inputs`` of another problem; then
         `shared` and `individual` are what differs from these, as they do with

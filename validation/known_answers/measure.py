@@ -22,8 +22,8 @@ import numpy as np
 import pandas as pd
 
 from uqfold.methods import available
-from uqfold.methods.ask_tell import SequentialMethod
 from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.steps import SequentialMethod
 from uqfold.problems import folding_wing, four_bar, series
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, criteria
