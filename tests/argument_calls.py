@@ -892,6 +892,14 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.MonteCarlo": Call(
             methods.MonteCarlo, {"systems": optional(count()), "target_cov": optional(number())}
         ),
+        "methods.QuasiMonteCarlo": Call(
+            methods.QuasiMonteCarlo,
+            {
+                "points": optional(count()),
+                "randomisations": count(10),
+                "target_cov": optional(number()),
+            },
+        ),
         "methods.OpenTURNSFORM": Call(
             methods.OpenTURNSFORM,
             {

@@ -1,9 +1,12 @@
 """Ask and tell: the answer of `estimate`, whoever runs the model, also after an interruption."""
 
+import gc
 import json
 import math
 import subprocess
 import sys
+import threading
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -12,7 +15,7 @@ import numpy as np
 import pytest
 
 from uqfold.evaluation import Evaluator, FailedRunError
-from uqfold.methods import Estimate, ReliabilityResult, Solution, Task
+from uqfold.methods import Estimate, ReliabilityResult, Solution, Task, available
 from uqfold.methods.ask_tell_session import AskTellSession
 from uqfold.methods.session_file import SCHEMA, WITHOUT_DIGEST, SessionFileError
 from uqfold.methods.steps import SequentialMethod, Steps
@@ -24,6 +27,7 @@ from uqfold.testing.conduct import same_numbers
 from uqfold.typing import FloatArray
 
 SYSTEM = LinearNormalSystem()
+SYSTEM_INPUTS = {"inputs": SYSTEM.problem().inputs.distribution, "shared": ["V"]}
 ASKED = criteria([10.0, 11.0], tau=[None, 2.0], missions=[1, Binomial(3, 0.6)])
 
 
@@ -464,3 +468,62 @@ def test_time_of_the_model_is_not_counted() -> None:
     result = finished(session)
     assert 0.0 < result.seconds < 1.0
     assert math.isfinite(result[0].pf)
+
+
+OF_SURFACES = {"kriging", "pce", "active-kriging", "auto"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.thorough if name in OF_SURFACES else [])
+        for name in available()
+    ],
+)
+def test_every_method_asks_for_its_runs(name: str, tmp_path: Path) -> None:
+    """Through an interruption too."""
+    own = Problem(SYSTEM.response, **SYSTEM_INPUTS, low_fidelity=SYSTEM.response)
+    problem = Problem(None, **SYSTEM_INPUTS, low_fidelity=SYSTEM.response)
+    method, limit, evaluator = available()[name](), Criterion(11.0), Evaluator(batch_rows=500)
+    session = method.start(problem, limit, max_evals=1_500, rng=3, evaluator=evaluator)
+    first = session.ask()
+    assert len(first) <= 500
+    session.tell(first, SYSTEM.response(first))
+    session.save(tmp_path / "session.npz")
+    resumed = method.resume(tmp_path / "session.npz", problem, limit)
+    expected = method.estimate(own, limit, max_evals=1_500, rng=3)
+    assert math.isfinite(expected[0].pf)
+    for one in (session, resumed):
+        assert same_numbers(finished(one), expected)
+
+
+def test_a_session_that_is_left_leaves_no_thread() -> None:
+    before = threading.active_count()
+    session = available()["openturns-mc"]().start(outside(), Criterion(11.0), max_evals=1_000)
+    assert threading.active_count() == before + 1
+    del session
+    gc.collect()
+    last = time.monotonic() + 10.0
+    while threading.active_count() > before:
+        assert time.monotonic() < last
+        time.sleep(0.001)
+
+
+def test_rows_may_be_asked_for_in_other_numbers_after_an_interruption(tmp_path: Path) -> None:
+    path = tmp_path / "session.npz"
+    method = available()["mc"]()
+    arguments = {"max_evals": 600, "rng": 3}
+    session = method.start(
+        outside(), Criterion(11.0), evaluator=Evaluator(batch_rows=50), **arguments
+    )
+    for _ in range(3):
+        x = session.ask()
+        session.tell(x[::2], SYSTEM.response(x[::2]))
+        session.tell(x[1::2], SYSTEM.response(x[1::2]))
+    x = session.ask()[:7]
+    session.tell(x, SYSTEM.response(x))
+    session.save(path)
+    resumed = method.resume(path, outside(), Criterion(11.0), evaluator=Evaluator(batch_rows=101))
+    assert resumed.n_evals == 157
+    expected = method.estimate(outside(SYSTEM.response), Criterion(11.0), **arguments)
+    assert same_numbers(finished(resumed), expected)

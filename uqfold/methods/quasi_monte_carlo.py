@@ -6,16 +6,17 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import ClassVar
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
-from uqfold.methods.counted import FEW, counted
-from uqfold.methods.repetitions import FEWEST, Repetitions
-from uqfold.methods.result import TARGET_COV, Estimate, Status
+from uqfold.methods.repetitions import FEWEST
+from uqfold.methods.result import TARGET_COV, Estimate
+from uqfold.methods.scrambled_counts import ScrambledCounts
 from uqfold.methods.system_sample import (
     BLOCK_SYSTEMS,
     RUNS_WITHOUT_A_BUDGET,
@@ -30,16 +31,15 @@ from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.typing import FloatArray
 
+if TYPE_CHECKING:
+    from scipy.stats.qmc import Sobol
+
 WITHOUT_A_BUDGET = 2**12
 """Points of a randomisation where neither a number, a budget nor a target is given."""
 FIRST = 2**7
 """Points of a randomisation before the target is looked at; they are doubled from there."""
 BITS = 52
 """Binary digits of a point: with the half of a cell added, tails are drawn to 1e-16."""
-NOT_NORMAL = 1e-3
-"""Normal numbers look less normal than this by the test of Shapiro and Wilk once in a thousand."""
-FEW_STEPS = 4
-"""Counts with fewer different values tell that test nothing."""
 
 
 @dataclass(frozen=True)
@@ -138,16 +138,18 @@ class QuasiMonteCarlo(ReliabilityMethod):
             return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
         session.expect(planned * repeats * per_system)
         counts = np.zeros((2, repeats, len(task.criteria)))
+        sequences = [Scrambled(task, repeat) for repeat in range(repeats)]
         points, stopped = 0, ""
         try:
             while points < planned:
                 more = planned - points
                 if self.target_cov is not None:
                     more = min(more, max(points, FIRST))
-                counts = counts + self._counted(task, points, more, repeats)
+                counts = counts + self._counted(task, sequences, more)
                 points += more
                 sums = [
-                    Spread(points, counts[0, :, i], counts[1, :, i]) for i in range(counts.shape[2])
+                    ScrambledCounts(points, counts[0, :, i], counts[1, :, i])
+                    for i in range(counts.shape[2])
                 ]
                 if session.watched:
                     session.report(_running(task, sums))
@@ -184,15 +186,14 @@ class QuasiMonteCarlo(ReliabilityMethod):
             repeats = min(2 * repeats - 1, systems // affordable)
         return affordable, affordable, repeats
 
-    def _counted(self, task: Task, first: int, more: int, repeats: int) -> FloatArray:
-        """Count the failures (2, R, n_criteria) among further points: failed runs fail, or work."""
-        found = np.zeros((2, repeats, len(task.criteria)))
+    def _counted(self, task: Task, sequences: list[Scrambled], more: int) -> FloatArray:
+        """Count the failures (2, R, n_criteria) among the next points of each randomisation."""
+        found = np.zeros((2, len(sequences), len(task.criteria)))
         drawn: deque[tuple[int, SystemBlock]] = deque()
 
         def rows() -> Iterator[FloatArray]:
-            for repeat in range(repeats):
-                for block in scrambled(task, repeat, first, more):
-                    task.session.check_time()
+            for repeat, sequence in enumerate(sequences):
+                for block in sequence.blocks(more):
                     drawn.append((repeat, block))
                     yield block.x
 
@@ -211,19 +212,36 @@ def dimension_of(problem: Problem, criteria: list[Criterion] | tuple[Criterion, 
     return kinds.n_shared + missions * problem.n_units * kinds.n_individual + flown
 
 
-def scrambled(task: Task, repeat: int, first: int, more: int) -> Iterator[SystemBlock]:
-    """Yield systems of one randomisation in blocks, from a number on."""
-    from scipy.stats.qmc import Sobol
+class Scrambled:
+    """Systems of one randomisation, one block after the other.
 
-    dimension = dimension_of(task.problem, task.criteria)
-    sequence = Sobol(max(1, dimension), bits=BITS, rng=task.generator(repeat))
-    if first:
-        sequence.fast_forward(first)
-    at_once = _power_of_two(min(BLOCK_SYSTEMS, block_systems(task.problem, task.criteria)))
-    for start in range(0, more, at_once):
-        size = min(at_once, more - start)
-        numbers = Numbers(sequence.random(size) + 0.5 * 0.5**BITS)
-        yield draw_systems(task.problem, task.criteria, numbers, size)
+    Parameters
+    ----------
+    task
+        Problem, criteria and seed.
+    repeat
+        Number of the randomisation.
+    """
+
+    def __init__(self, task: Task, repeat: int) -> None:
+        self._task, self._repeat = task, repeat
+
+    @cached_property
+    def _sequence(self) -> Sobol:
+        from scipy.stats.qmc import Sobol
+
+        dimension = max(1, dimension_of(self._task.problem, self._task.criteria))
+        return Sobol(dimension, bits=BITS, rng=self._task.generator(self._repeat))
+
+    def blocks(self, more: int) -> Iterator[SystemBlock]:
+        """Yield the next systems."""
+        problem, criteria = self._task.problem, self._task.criteria
+        at_once = _power_of_two(min(BLOCK_SYSTEMS, block_systems(problem, criteria)))
+        for start in range(0, more, at_once):
+            self._task.session.check_time()
+            size = min(at_once, more - start)
+            numbers = Numbers(self._sequence.random(size) + 0.5 * 0.5**BITS)
+            yield draw_systems(problem, criteria, numbers, size)
 
 
 @dataclass(eq=False)
@@ -247,103 +265,13 @@ class Numbers:
         return np.asarray(ndtri(self.random(shape)))
 
 
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """Failures of each randomisation under one criterion.
-
-    Attributes
-    ----------
-    points
-        Systems of each.
-    high, low
-        Failures (R,), open systems (failed runs) counted as failed, and as safe.
-    """
-
-    points: int
-    high: FloatArray
-    low: FloatArray
-
-    def _rarer(self, counts: FloatArray) -> Repetitions:
-        """Estimates of pf, or of the reliability if that is smaller."""
-        if self._mostly_fails:
-            counts = self.points - counts
-        # counts of two values only, one apart, scatter by half at most
-        own = float(counts.sum())
-        least = 0.5 * math.sqrt(counts.size) / own if own else math.inf
-        return Repetitions(counts / self.points, least)
-
-    @property
-    def _mostly_fails(self) -> bool:
-        return float(self.high.sum()) > 0.5 * self.points * self.high.size
-
-    @property
-    def _fewest(self) -> float:
-        """Failures, or systems that work, whichever are fewer."""
-        failures = float(self.high.sum())
-        return min(failures, self.points * self.high.size - failures)
-
-    def precise(self, target: float) -> bool:
-        """Whether the relative standard error is at most the target, for sure."""
-        return self._fewest >= FEW and self._rarer(self.high).most_cov <= target
-
-    def _doubts(self, target: float) -> list[str]:
-        """Return why the spread of the randomisations is not to be believed."""
-        from scipy.stats import shapiro
-
-        rarer = self._rarer(self.high)
-        seen, doubts = int(np.count_nonzero(rarer.values)), []
-        what = "systems that work" if self._mostly_fails else "failures"
-        if seen < FEWEST:
-            doubts.append(f"{seen} of {rarer.values.size} randomisations saw {what}")
-        elif rarer.cov <= target < rarer.most_cov:
-            doubts.append(
-                f"from {rarer.values.size} randomisations, the standard error may be above "
-                f"{target:.3g} pf"
-            )
-        if np.unique(rarer.values).size >= FEW_STEPS:
-            chance = float(shapiro(rarer.values).pvalue)
-            if chance < NOT_NORMAL:
-                doubts.append(
-                    f"the randomisations do not scatter like normal numbers (p = {chance:.1g})"
-                )
-        return doubts
-
-    def estimate(self, target: float, short: list[str]) -> Estimate:
-        """Return the answer; `short` says why there are fewer points than wanted."""
-        n = self.points * self.high.size
-        status: Status = "budget_exhausted" if short else "converged"
-        if self._fewest < FEW:
-            high, low = (round(float(counts.sum())) for counts in (self.high, self.low))
-            return counted(n, high, low, status, short)
-        doubts = self._doubts(target)
-        pf, pf_low = (float(counts.sum()) / n for counts in (self.high, self.low))
-        own, other = self._rarer(self.high), self._rarer(self.low)
-        if self._mostly_fails:
-            ci_low, ci_high = 1.0 - other.ends()[1], 1.0 - own.ends()[0]
-        else:
-            ci_low, ci_high = other.ends()[0], own.ends()[1]
-        return Estimate(
-            pf,
-            reliability=float((self.points - self.high).sum()) / n,
-            std_error=own.mean * own.cov,
-            ci_low=min(pf_low, ci_low),
-            ci_high=max(pf, ci_high),
-            ci_kind="t 95 % of log pf" if not self._mostly_fails else "t 95 % of log reliability",
-            pf_low=pf_low,
-            pf_high=pf,
-            error_kind="sampling",
-            status="doubtful" if doubts else status,
-            message="; ".join([*doubts, *short]),
-        )
-
-
 def _power_of_two(most: int) -> int:
     """Return the largest power of two that is not more; 0 if there is none."""
     return 1 << (most.bit_length() - 1) if most > 0 else 0
 
 
-def _running(task: Task, sums: list[Spread]) -> RunningEstimate:
+def _running(task: Task, sums: list[ScrambledCounts]) -> RunningEstimate:
     """Return the state of the criterion with the fewest failures."""
-    i = min(range(len(sums)), key=lambda i: sums[i]._fewest)
+    i = min(range(len(sums)), key=lambda i: sums[i].fewest)
     one = sums[i].estimate(TARGET_COV, [])
     return RunningEstimate(str(task.criteria[i]), one.pf, one.ci_low, one.ci_high)

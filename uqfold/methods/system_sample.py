@@ -168,7 +168,7 @@ class SystemBlock:
         return {profile: Worst(*worst[:, system, count]) for profile, count in self.flown.items()}
 
 
-class Source(Protocol):
+class NumberStream(Protocol):
     """Where the numbers of systems come from; `numpy.random.Generator` is one."""
 
     def standard_normal(self, shape: Any) -> FloatArray:
@@ -181,7 +181,7 @@ class Source(Protocol):
 
 
 def draw_systems(
-    problem: Problem, criteria: Sequence[Criterion], rng: Source, size: int
+    problem: Problem, criteria: Sequence[Criterion], rng: NumberStream, size: int
 ) -> SystemBlock:
     """Draw a block of systems.
 

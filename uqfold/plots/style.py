@@ -36,6 +36,7 @@ _FIXED = {
     "pce": MethodStyle("#882255", "<"),
     "active-kriging": MethodStyle("#7F6A00", "X"),
     "mc": MethodStyle("#009E73", "^"),
+    "qmc": MethodStyle("#6B7A1E", "H"),
     "conditional-mc": MethodStyle("#332288", "*"),
     "multifidelity-mc": MethodStyle("#117733", "p"),
     "subset-simulation": MethodStyle("#5D3A9B", ">"),
