@@ -1,6 +1,5 @@
 """Quasi-Monte Carlo: points that are spread evenly, and an error that holds all the same."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -117,15 +116,24 @@ def test_budget_target_and_time_end_it() -> None:
     assert none.status == "failed"
     assert "cost 16 runs, max_evals = 15" in none.message
 
+
+def test_a_limit_on_time_leaves_the_points_that_all_randomisations_have(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = [0.0]
+    monkeypatch.setattr("uqfold.evaluation.deadline.time.monotonic", lambda: clock[0])
+
     def slow(x: FloatArray) -> FloatArray:
-        time.sleep(1e-5 * len(x))
+        clock[0] += 1e-4 * len(x)
         return total(x)
 
-    timed = replace(method, target_cov=1e-4).estimate(
-        standard_normal(2, slow), asked, rng=2, evaluator=Evaluator(max_seconds=0.3)
+    [row] = QuasiMonteCarlo(points=1_024).estimate(
+        standard_normal(2, slow), 2.5, rng=2, evaluator=Evaluator(max_seconds=0.5)
     )
-    assert timed[0].pf > 0.0
-    assert "wall-clock limit" in timed[0].message
+    assert row.message.startswith("256 of 1024 points of each randomisation; the wall-clock limit")
+    assert 4_096 < row.n_evals < 2 * 4_096
+    first = QuasiMonteCarlo(points=256).estimate(standard_normal(2), 2.5, rng=2)[0]
+    assert (row.pf, row.ci_low) == (first.pf, first.ci_low)
 
 
 def test_doubled_points_are_those_of_one_go() -> None:

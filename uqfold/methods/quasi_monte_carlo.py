@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 WITHOUT_A_BUDGET = 2**12
 """Points of a randomisation where neither a number, a budget nor a target is given."""
 FIRST = 2**7
-"""Points of a randomisation before the target is looked at; they are doubled from there."""
+"""Points of a randomisation to begin with; they are doubled until they are enough."""
 BITS = 52
 """Binary digits of a point: with the half of a cell added, tails are drawn to 1e-16."""
 
@@ -142,9 +142,7 @@ class QuasiMonteCarlo(ReliabilityMethod):
         points, stopped = 0, ""
         try:
             while points < planned:
-                more = planned - points
-                if self.target_cov is not None:
-                    more = min(more, max(points, FIRST))
+                more = min(planned - points, max(points, FIRST))
                 counts = counts + self._counted(task, sequences, more)
                 points += more
                 sums = [
