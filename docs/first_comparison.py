@@ -17,3 +17,4 @@ long_run = uqfold.methods.MonteCarlo(systems=1_000_000).estimate(beam, 4.5, rng=
 methods = ["ffni-pearson", "kriging", "pce", "openturns-form", "importance-sampling"]
 frame = uqfold.compare(beam, methods, 4.5, reference=long_run)
 print(frame)
+uqfold.plots.save(uqfold.plots.comparison(frame), "first-comparison")  # a PNG

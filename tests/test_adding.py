@@ -65,8 +65,9 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     house = tmp_path_factory.mktemp("house")
     # with its byte code, which need not be compiled anew
     shutil.copytree(ROOT / "uqfold", house / "uqfold")
-    for name in ("studies/runner.py", "studies/paper.py", "README.md", "pyproject.toml"):
-        (house / name).parent.mkdir(exist_ok=True)
+    kept = ("studies/runner.py", "studies/paper.py", "docs/methods/index.md", "pyproject.toml")
+    for name in kept:
+        (house / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, house / name)
     for path, text in FILES.items():
         (house / path).parent.mkdir(parents=True, exist_ok=True)

@@ -21,7 +21,7 @@ KEPT = re.compile(
 
 def texts() -> Iterator[tuple[str, str]]:
     """Where a text stands and the text: README, pages of the documentation, public docstrings."""
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]:
         yield page.name, page.read_text(encoding="utf-8")
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     for path in sorted((ROOT / "uqfold").rglob("*.py")):

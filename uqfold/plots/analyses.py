@@ -195,7 +195,8 @@ def design(table: pd.DataFrame) -> Figure:
                 fontsize=8.5, xycoords=("axes fraction", "data"),
             )  # fmt: skip
     first = frame.iloc[0]
-    left.set_xlabel(f"{first['seek']} {first['parameter']} ({first['unit']})")
+    unit = f" ({first['unit']})" if first["unit"] else ""
+    left.set_xlabel(f"{first['seek']} {first['parameter']}{unit}")
     right.set_xlabel("pf of the real model")
     for target in frame["target_pf"].unique():
         right.axvline(target, **REFERENCE_LINE)

@@ -171,8 +171,12 @@ def _draw(axes: Axes, quantity: str, rows: pd.DataFrame, look: MethodStyle) -> N
     if quantity != "difference":
         _draw_reference(axes, rows, quantity)
     stated = rows["low"].notna()
-    line, own = rows[~stated & ((rows["value"] > 0.0) | (quantity != "pf"))], rows[stated]
-    axes.plot(line["threshold"], line["value"], color=color, marker=look.marker, **_CURVE)
+    drawn, own = ~stated & ((rows["value"] > 0.0) | (quantity != "pf")), rows[stated]
+    # a line joins neighbours: it is not led past a method's answers with intervals
+    label = rows.get("label", rows["problem"])
+    lined = label.isin(label[drawn]) & (drawn | stated)
+    for _, line in rows.assign(value=rows["value"].where(drawn))[lined].groupby(label[lined]):
+        axes.plot(line["threshold"], line["value"], color=color, marker=look.marker, **_CURVE)
     if own.empty:
         return
     value = own["value"]

@@ -79,7 +79,7 @@ def error_against_evaluations(frame: Comparable, ax: Axes | None = None) -> Axes
 
 def _scale(axes: Axes, errors: pd.DataFrame) -> float:
     """Make both axes logarithmic, that of costs over a factor of 30 at least; return the lowest."""
-    from matplotlib.ticker import EngFormatter
+    from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
     positive = errors["error"][errors["error"] > SMALLEST]
     low, high = (positive.min() / 2.0, positive.max() * 2.0) if len(positive) else (1e-6, 1.0)
@@ -87,5 +87,8 @@ def _scale(axes: Axes, errors: pd.DataFrame) -> float:
     wider = max(math.sqrt(30.0 * left / right), 1.0)
     percent_axis(axes, low, max(high, 0.02))
     axes.set(xscale="log", xlim=(left / wider, right * wider))
+    if right / left < 100.0:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     return float(low)

@@ -24,7 +24,7 @@ _SHARED = (
     "failures of its units are correlated; individual inputs are drawn for every unit and "
     "every mission."
 )
-_DEFINITION = (
+DEFINITION = (
     (
         r"q(v) = \Pr\left\{ \max_i t_i \le T \mid v \right\} = "
         r"\left[ H(T \mid v) \right]^n",
@@ -160,7 +160,7 @@ def _add_question(page: Page, frame: pd.DataFrame) -> None:
     system = header["system"]
     if system is not None and system["structure"] == "Series()":
         asked = ("none" in taus, set(taus) != {"none"}, True, "binomial" in missions)
-        for applies, equation in zip(asked, _DEFINITION, strict=True):
+        for applies, equation in zip(asked, DEFINITION, strict=True):
             if applies:
                 page.equation(*equation)
 
