@@ -322,6 +322,8 @@ def array(
     except (TypeError, ValueError, OverflowError):  # lists of different lengths
         raise refused(name, value, remedy) from None
     if given.dtype.kind == "O":
+        if not given.ndim and shape:
+            raise refused(name, value, remedy, TypeError)
         given = np.array(
             [real(name, item, finite=finite, nan=not finite) for item in given.ravel().tolist()],
             dtype=np.float64,

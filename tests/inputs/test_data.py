@@ -85,8 +85,29 @@ def test_a_family_that_the_values_contradict_is_refused(family: str) -> None:
         (SYMMETRIC - 2.0, {"family": "weibull"}, "give positive values for the family"),
         (SYMMETRIC, {"family": "normal", "bounds": (0.0, 9.0)}, "a family has its own"),
         (SYMMETRIC, {"family": "log-normal"}, "did you mean 'lognormal'"),
+        (SYMMETRIC * 1e300, {}, "give them in another unit, the largest one 1e-50 to 1e\\+50"),
+        (SYMMETRIC * 1e-300, {"family": "normal"}, "give them in another unit"),
+        (1.0 + 1e-15 * np.arange(99), {"family": "lognormal"}, "give differences instead"),
+        (1e12 + SYMMETRIC, {}, "they differ by less than 1e-09 of the largest: give differences"),
+        (np.exp(300.0 * (SYMMETRIC - 2.0)), {"family": "gamma"}, "cannot be fitted|contradict it"),
     ],
 )
 def test_what_says_too_little_is_refused(data: Any, options: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         from_data(data, **options)
+
+
+@pytest.mark.parametrize("size", [1e-49, 1e49])
+def test_the_unit_of_values_does_not_matter(size: float) -> None:
+    for family in (None, "normal", "logistic"):
+        inputs, usual = (
+            only(from_data(SYMMETRIC * size, family)),
+            only(from_data(SYMMETRIC, family)),
+        )
+        found, known = (one.from_standard_normal(U[:, None]) for one in (inputs, usual))
+        np.testing.assert_allclose(found / size, known, rtol=1e-6)
+
+
+def test_nothing_is_no_data() -> None:
+    with pytest.raises(TypeError, match=r"data = None: give finite real numbers of shape \(n,\)"):
+        from_data(None)  # type: ignore[arg-type]

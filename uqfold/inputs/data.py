@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uqfold.checks import array, choice, or_none, real, refused, several
+from uqfold.checks import array, choice, or_none, raised, real, refused, several
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.counts import listed
 from uqfold.typing import FloatArray
@@ -19,6 +19,10 @@ _SAMPLES, _LEVEL = 199, 0.01
 """Samples of a fit that its test draws, and the probability of refusing the right family."""
 _LEAK = 0.1
 """What smoothing may put beyond zero where all values are on one side: a share of one value."""
+_LARGEST = 1e50
+"""Of values, and of what divides one: powers of these are still numbers."""
+_RESOLVED = 1e-9
+"""Standard deviation of values, relative to the largest: rounding is a millionth of it."""
 
 
 def from_data(
@@ -49,10 +53,11 @@ def from_data(
     ------
     TypeError, ValueError
         If there are too few or too many values, less than half of them differ without the family
-        ``discrete``, one lies outside
-        the bounds, smoothing would reach beyond zero where all values are on one side of it, or
-        a family is contradicted: an Anderson-Darling test with fitted parameters (their effect
-        found by refitting 199 samples of the fit) refuses it at the level 1 %.
+        ``discrete``, they are too large or too small for powers, or differ by little more than
+        rounding does, one lies outside the bounds, smoothing would reach beyond zero where all
+        values are on one side of it, or a family is contradicted: an Anderson-Darling test with
+        fitted parameters (their effect found by refitting 199 samples of the fit) refuses it at
+        the level 1 %.
 
     Notes
     -----
@@ -76,6 +81,8 @@ def from_data(
     if family != "discrete" and 2 * len(seen) < len(values):
         remedy = 'as of something discrete: give family="discrete", or a distribution of your own'
         raise refused("data", values, f"only {len(seen)} of {len(values)} values differ, {remedy}")
+    if family != "discrete":
+        _check_size(values)
     ends = several("bounds", bounds, real, finite=False)
     if len(ends) != 2:
         raise refused("bounds", bounds, "give two, a lower and an upper one")
@@ -90,6 +97,17 @@ def from_data(
             raise refused("data", values, "all are the same: that is no random input")
         return listed(seen, times / len(values))
     return as_openturns(_fitted(values, str(family)))
+
+
+def _check_size(values: FloatArray) -> None:
+    """Refuse values whose powers, or whose differences, are no numbers to rely on."""
+    largest = float(np.abs(values).max())
+    if not 1.0 / _LARGEST <= largest <= _LARGEST:
+        remedy = f"give them in another unit, the largest one {1.0 / _LARGEST:g} to {_LARGEST:g}"
+        raise refused("data", values, remedy)
+    if values.std() < _RESOLVED * largest:
+        remedy = f"they differ by less than {_RESOLVED:g} of the largest: give differences instead"
+        raise refused("data", values, remedy)
 
 
 def _smoothed(values: FloatArray, low: float, high: float) -> Any:
@@ -110,18 +128,26 @@ def _smoothed(values: FloatArray, low: float, high: float) -> Any:
 def _fitted(values: FloatArray, family: str) -> Any:
     """Return the fitted distribution, if a test with refitted samples does not refuse it."""
     fit, positive = _FAMILIES[family]
+    unit = 2.0 ** math.floor(math.log2(np.abs(values).max()))
     if positive and values.min() <= 0.0:
         raise refused("data", values, f"give positive values for the family {family!r}")
+    values = values / unit  # SciPy's searches have absolute tolerances
     rng = np.random.default_rng(0)
-    fitted = fit(values)
-    found = _anderson_darling(values, fitted)
-    samples = fitted.isf(rng.random((_SAMPLES, len(values))))
-    larger = sum(_anderson_darling(sample, fit(sample)) >= found for sample in samples)
+    try:
+        with np.errstate(all="ignore"):
+            fitted = fit(values)
+            found = _anderson_darling(values, fitted)
+            samples = fitted.isf(rng.random((_SAMPLES, len(values))))
+            larger = sum(_anderson_darling(sample, fit(sample)) >= found for sample in samples)
+    except (ValueError, ArithmeticError) as error:
+        remedy = f"it cannot be fitted to the values ({raised(error)}): give another, or None"
+        raise refused("family", family, remedy) from error
     p = (1 + larger) / (1 + _SAMPLES)
     if p <= _LEVEL:
         remedy = f"the values contradict it (Anderson-Darling, p = {p:.2g}): give another, or None"
         raise refused("family", family, remedy)
-    return fitted
+    *shape, location, scale = fitted.args
+    return fitted.dist(*shape, location * unit, scale * unit)
 
 
 def _anderson_darling(values: FloatArray, law: Any) -> float:
@@ -136,7 +162,7 @@ def _weibull(values: FloatArray) -> Any:
 
     # logarithms of it are of the Gumbel family, which is fitted ten times faster
     centre, spread = stats.gumbel_l.fit(np.log(values))
-    return stats.weibull_min(1.0 / spread, scale=math.exp(centre))
+    return stats.weibull_min(1.0 / spread, 0.0, math.exp(centre))
 
 
 def _of_scipy(name: str, **fixed: float) -> Callable[[FloatArray], Any]:
