@@ -3,6 +3,8 @@
 import io
 import math
 import re
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,7 @@ from tests.comparison.fakes import (
     toy_problem,
     truth,
 )
-from uqfold.comparison import comparison_header, run_comparison
+from uqfold.comparison import comparison_header, run_comparison, write_records
 from uqfold.comparison.columns import COLUMNS
 from uqfold.evaluation import Evaluator, FailedRunError
 from uqfold.methods import available
@@ -87,6 +89,8 @@ ONE, TWO = criteria([12.0, 13.0])
         ({12.0: 0.25}, [(0.25, 0.0), None]),
         ({ONE: (0.25, 0.01), TWO: 0.125}, [(0.25, 0.01), (0.125, 0.0)]),
         (pd.DataFrame({"threshold": [12.0], "pf": [0.25]}), [(0.25, 0.0), None]),
+        (pd.Series([0.25, 0.125]), [(0.25, 0.0), (0.125, 0.0)]),
+        (pd.Series([0.125], index=[13.0]), [None, (0.125, 0.0)]),
         (lambda: Sampled().estimate(toy_problem(), [ONE, TWO], rng=1), None),
         (lambda: uqfold.compare(toy_problem(), Sampled(), [ONE, TWO], rng=1), None),
     ],
@@ -136,6 +140,18 @@ def test_missions_and_tau_of_a_reference_are_those_of_its_rows() -> None:
             "two answers for T = 12",
         ),
         (lambda: uqfold.compare(SYSTEM.problem(), Sampled(), 12.0), "it answers problem "),
+        (lambda: Sampled().estimate(SYSTEM.problem(), [ONE], rng=1), "it answers problem "),
+        (lambda: Sampled().estimate(fewer_units(), [ONE], rng=1), "units or structure differ"),
+        (lambda: uqfold.compare(fewer_units(), Sampled(), ONE), "units or structure differ"),
+        ({12.0 + 1e-9: 0.25}, "it knows T = 12.000000001, and T = 12.0 is asked: give the same"),
+        ({}, "reference = {}: it holds no answer"),
+        (
+            pd.DataFrame({"threshold": ["12"], "pf": [0.25]}),
+            "threshold of row 0 = '12': give a num",
+        ),
+        (pd.DataFrame({"threshold": [12.0], "pf": ["low"]}), "pf of row 0 = 'low': give a number"),
+        (pd.DataFrame([[1, 2, 0.1]], columns=["threshold", "threshold", "pf"]), "more than one"),
+        ("nowhere", "reference = 'nowhere': there is no such file"),
     ],
 )
 def test_what_is_no_reference_is_refused_before_any_run(reference: Any, said: str) -> None:
@@ -144,6 +160,18 @@ def test_what_is_no_reference_is_refused_before_any_run(reference: Any, said: st
     with pytest.raises((ValueError, TypeError), match=re.escape(said)):
         uqfold.compare(problem, Told(), [ONE, TWO], reference=reference)
     assert rows_run(problem) == 0
+
+
+def fewer_units() -> uqfold.Problem:
+    return replace(toy_problem(), units=2)
+
+
+def test_records_are_a_reference(tmp_path: Path) -> None:
+    frame = uqfold.compare(toy_problem(), {"long": Sampled(n=20)}, [ONE, TWO], rng=1)
+    write_records(frame, tmp_path)
+    for where in (tmp_path, str(tmp_path / "comparison.json")):
+        again = uqfold.compare(toy_problem(), Told(), [ONE, TWO], reference=where)
+        assert again["reference_pf"].tolist() == frame["pf"].tolist()
 
 
 def test_methods_may_be_given_in_every_form() -> None:

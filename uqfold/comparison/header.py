@@ -34,7 +34,7 @@ def header_of(
         "problem": problem.name,
         "response": problem.response,
         "response_unit": problem.response_unit,
-        "system": _system(problem),
+        "system": system_of(problem),
         "methods": [
             {
                 "label": label,
@@ -85,7 +85,8 @@ def criteria_of(header: Mapping[str, Any]) -> Criteria:
     )
 
 
-def _system(problem: Problem) -> dict[str, Any]:
+def system_of(problem: Problem) -> dict[str, Any]:
+    """Return units, structure and inputs of a problem in words and numbers."""
     joint = problem.inputs
     roles = ["shared"] * joint.n_shared + ["individual"] * joint.n_individual
     described = list(zip(joint.names, problem.input_units, roles, joint.columns, strict=True))

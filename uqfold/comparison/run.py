@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import function, instance, listed, mapping, or_none, refused, text
 from uqfold.comparison.columns import comparison_row, rows_to_frame
+from uqfold.comparison.given_references import given_references
 from uqfold.comparison.header import ATTRIBUTE, header_of
 from uqfold.comparison.own_files import is_of_a_file, methods_of_a_file
 from uqfold.evaluation import Evaluator
@@ -23,7 +24,7 @@ from uqfold.methods.response_surface import ErrorParts
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource, reduced_seed
 from uqfold.problems.base import Problem
-from uqfold.problems.known_answers import ReferenceLike, reference_table
+from uqfold.problems.known_answers import ReferenceLike
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,10 +78,7 @@ def run_comparison(
     text("command", command, empty=True)
     references = problem.references
     if reference is not None:
-        references = reference_table("reference", reference, grid, problem.name)
-        if not any(map(references.lookup, grid)):
-            known = "; ".join(str(one.criterion) for one in references)
-            raise ValueError(f"reference: it knows {known}, none of which is asked: {grid!r}")
+        references = given_references(reference, grid, problem)
 
     def frames() -> Iterator[pd.DataFrame]:
         header: dict[str, Any] = {
@@ -138,7 +136,8 @@ def compare(
     reference
         Known answers to measure errors against, instead of the problem's own: one failure
         probability for each criterion; a dict of threshold or `Criterion` -> pf or (pf,
-        std_error); the result of a long run; or a frame with columns ``threshold`` and ``pf``.
+        std_error); the result of a long run, or the path of its records; or a frame with columns
+        ``threshold`` and ``pf``.
     evaluator
         How the model is run: policy for failed runs, batches, progress.
     progress

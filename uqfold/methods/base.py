@@ -383,7 +383,10 @@ class ReliabilityMethod(ABC):
             finished_row(criterion, estimate, cost)
             for criterion, estimate in zip(run.asked, estimates, strict=True)
         )
-        return ReliabilityResult(tuple(run.asked), rows, solution.details)
+        problem = run.task.problem
+        return ReliabilityResult(
+            tuple(run.asked), rows, solution.details, problem.name, problem.system_digest
+        )
 
     def _guarded(self, task: Task, solve: Callable[[], Solution]) -> Solution:
         """Run the hook; whatever it raises becomes the status of every criterion."""

@@ -155,11 +155,17 @@ class ReliabilityResult(Tabular[CriterionResult]):
     details
         What the method found on its way (design points, moments, ...): a frozen record of a type
         that belongs to the method, or None.
+    problem
+        Name of the problem that was asked about.
+    system
+        `Problem.system_digest` of it, by which an answer to another question is told.
     """
 
     criteria: tuple[Criterion, ...]
     rows: tuple[CriterionResult, ...]
     details: Any = None
+    problem: str = ""
+    system: str = ""
 
     _SHOWN = (
         "threshold", "tau", "missions", "pf", "std_error", "ci_low", "ci_high", "n_evals_row",

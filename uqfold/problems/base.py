@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
@@ -295,7 +296,7 @@ class Problem:
 
         if references is None:
             return None
-        table = reference_table("references", references, self.default_criteria, self.name)
+        table = reference_table("references", references, self.default_criteria, self)
         return answering(table, self.model, self.inputs, self.units, self.structure)
 
     @property
@@ -308,6 +309,15 @@ class Problem:
         """What a `Structure` calls each unit: its own name, else ``u`` and its index from 0."""
         own = ("",) * self.units if isinstance(self.units, int) else [u.name for u in self.units]
         return tuple(name or f"u{i}" for i, name in enumerate(own))
+
+    @property
+    def system_digest(self) -> str:
+        """Digest of what makes the system besides the model: inputs, units, structure."""
+        joint = self.inputs
+        own = [str(column) for inputs in self.kinds.inputs for column in inputs.columns]
+        units = None if self.kinds.of_units is None else self.kinds.of_units.tolist()
+        parts = (joint.names, joint.n_shared, own, self.n_units, units, repr(self.structure))
+        return hashlib.blake2b(repr(parts).encode(), digest_size=8).hexdigest()
 
     @property
     def exchangeable(self) -> bool:
