@@ -49,7 +49,7 @@ def given_references(given: ReferenceLike, grid: Criteria, problem: Problem) -> 
         raise ValueError(f"reference: it answers another problem {problem.name!r}: {what}")
     if isinstance(given, ReferenceTable) and given.problem not in ("", problem.name):
         raise ValueError(f"reference: it answers problem {given.problem!r}, not {problem.name!r}")
-    table = reference_table("reference", given, grid, problem)
+    table = reference_table("reference", given, grid, problem.name, problem.system_digest)
     for one in grid:
         near = [known for known in table.entries if one != known and _nearly_same(one, known)]
         if near and table.lookup(one) is None:

@@ -296,7 +296,8 @@ class Problem:
 
         if references is None:
             return None
-        table = reference_table("references", references, self.default_criteria, self)
+        asked = (self.default_criteria, self.name, self.system_digest)
+        table = reference_table("references", references, *asked)
         return answering(table, self.model, self.inputs, self.units, self.structure)
 
     @property

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from uqfold.checks import listed, plain, real, refused, whole
 from uqfold.problems.criterion import Binomial, Criteria, Criterion, Missions
 from uqfold.problems.reference import Reference, ReferenceTable
-
-if TYPE_CHECKING:
-    from uqfold.problems.base import Problem
 
 ReferenceLike: TypeAlias = ReferenceTable | float | Iterable[float] | Mapping[Any, Any] | Any
 """What `reference_table` takes."""
@@ -29,7 +26,7 @@ _NUMBERS = (
 
 
 def reference_table(
-    name: str, given: ReferenceLike, grid: Criteria | None, problem: Problem
+    name: str, given: ReferenceLike, grid: Criteria | None, problem: str, system: str = ""
 ) -> ReferenceTable:
     """Return known answers as the table of references of a problem.
 
@@ -46,7 +43,9 @@ def reference_table(
     grid
         The criteria that numbers answer in turn; None where there are none.
     problem
-        Whose answers they are.
+        Name of the problem whose answers they are.
+    system
+        `Problem.system_digest` of it; empty: not compared.
 
     Raises
     ------
@@ -63,9 +62,9 @@ def reference_table(
     kind, how = "value", "given by the caller"
     given = _without_index(given)
     if hasattr(given, "to_frame") or hasattr(given, "columns"):
-        _check_question(name, given, problem)
+        _check_question(name, given, problem, system)
         frame: Any = given if hasattr(given, "columns") else given.to_frame()
-        answers = _of_a_frame(name, frame, problem.name)
+        answers = _of_a_frame(name, frame, problem)
         told = {"method", "n_evals", "seed"} <= set(frame.columns)
         if told and frame["method"].nunique() == 1:
             run = frame.iloc[0]
@@ -92,7 +91,7 @@ def reference_table(
                 f"{name}: two answers for {answer.criterion}: give those of one method"
             )
         entries[answer.criterion] = answer
-    return ReferenceTable(problem.name, kind, how, "", entries)
+    return ReferenceTable(problem, kind, how, "", entries)
 
 
 def _without_index(given: Any) -> Any:
@@ -103,15 +102,15 @@ def _without_index(given: Any) -> Any:
     return given.tolist() if in_turn else dict(given.items())
 
 
-def _check_question(name: str, given: Any, problem: Problem) -> None:
+def _check_question(name: str, given: Any, problem: str, system: str) -> None:
     """Refuse the result of another problem; one of an unknown problem is taken."""
     if getattr(given, "columns", None) is not None:
         return
-    if (other := getattr(given, "problem", "")) not in ("", problem.name):
-        raise ValueError(f"{name}: it answers problem {other!r}, not {problem.name!r}")
-    if getattr(given, "system", "") not in ("", problem.system_digest):
+    if (other := getattr(given, "problem", "")) not in ("", problem):
+        raise ValueError(f"{name}: it answers problem {other!r}, not {problem!r}")
+    if system and getattr(given, "system", "") not in ("", system):
         what = "inputs, units or structure differ"
-        raise ValueError(f"{name}: it answers another problem {problem.name!r}: {what}")
+        raise ValueError(f"{name}: it answers another problem {problem!r}: {what}")
 
 
 def _criterion(name: str, key: Any) -> Criterion:
