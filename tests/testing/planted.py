@@ -24,9 +24,9 @@ from uqfold.methods import (
     Solution,
     Task,
 )
-from uqfold.methods.ask_tell import Steps
 from uqfold.methods.ffni_pearson import FFNIPearson
 from uqfold.methods.kriging import KernelChoice, Trend
+from uqfold.methods.steps import Steps
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.structure import Series
 from uqfold.typing import FloatArray
