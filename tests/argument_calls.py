@@ -335,6 +335,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "units": count(3),
                 "structure": optional(thing(uqfold.Series())),
                 "low_fidelity": optional(thing(response)),
+                "gradient": optional(thing(response)),
                 "version": optional(text()),
                 "name": optional(text()),
                 "response": text(),
@@ -576,6 +577,12 @@ def calls(folder: Path) -> dict[str, Call]:
         ),
         "evaluation.EvaluationSession.evaluate": Call(
             uqfold.Evaluator().open(problem, None).evaluate, {"x": numbers(X)}
+        ),
+        "evaluation.EvaluationSession.gradients": Call(
+            uqfold.Evaluator()
+            .open(replace(problem, gradient=lambda x: np.zeros(x.shape)), None)
+            .gradients,
+            {"x": numbers(X), "kind": Kind(0, np.int64(0), frozenset({"zero"}))},
         ),
         "evaluation.ExternalCode": Call(
             evaluation.ExternalCode,

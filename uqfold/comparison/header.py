@@ -29,7 +29,7 @@ def header_of(
     """Return who is to answer what about which problem, now and with the code installed here."""
     made = made_by(command=command)
     units = () if isinstance(problem.units, int) else problem.units
-    models = [problem.model, *(unit.model for unit in units)]
+    models = [problem.model, problem.gradient, *(unit.model for unit in units)]
     return {
         "problem": problem.name,
         "response": problem.response,

@@ -4,6 +4,7 @@ from uqfold.evaluation.errors import (
     EngineError as EngineError,
     ExecutorError as ExecutorError,
     FailedRunError as FailedRunError,
+    GradientError as GradientError,
     ModelError as ModelError,
     StoreError as StoreError,
     TimeLimitError as TimeLimitError,

@@ -37,6 +37,10 @@ class ModelError(FailedRunError):
     """The model does not take rows X (n, d), or gives something else than a response for each."""
 
 
+class GradientError(RuntimeError):
+    """The gradient of a problem raised, or returned something of another shape than its rows."""
+
+
 class EngineError(RuntimeError):
     """Store or executor failed, not the model; no status of a method can stand for that."""
 

@@ -19,8 +19,9 @@ from uqfold.checks import array
 from uqfold.evaluation.batch import GIVE_UP_AFTER
 from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
+from uqfold.evaluation.gradients import gradients_at
 from uqfold.evaluation.pipeline import Batch, Pipeline
-from uqfold.typing import FloatArray
+from uqfold.typing import FloatArray, Model
 
 FailedRunPolicy = Literal["raise", "count-as-failure", "bound"]
 ProgressCallback = Callable[[int, int | None], None]
@@ -60,6 +61,8 @@ class EvaluationSession:
         The budget, or None.
     failed_runs, progress, watch
         As for `Evaluator`.
+    slopes
+        Of each kind of units, the gradient of its model, or None.
     n_evals
         Evaluations asked for so far, one per row.
     n_reused
@@ -68,6 +71,8 @@ class EvaluationSession:
         How many of them failed.
     first_failure
         What the first failed run looked like, for messages; empty if none failed.
+    n_gradients
+        Gradients asked for so far, one per row; they are no evaluations.
     expected
         Evaluations that the method expects to need in all, for the progress display.
     """
@@ -79,10 +84,12 @@ class EvaluationSession:
     failed_runs: FailedRunPolicy = "bound"
     progress: ProgressCallback | None = None
     watch: Callable[[RunningEstimate], None] | None = None
+    slopes: tuple[Model | None, ...] = ()
     n_evals: int = 0
     n_reused: int = 0
     n_failed: int = 0
     first_failure: str = ""
+    n_gradients: int = 0
     expected: int | None = None
     _reserved: int = field(default=0, repr=False)
 
@@ -163,6 +170,30 @@ class EvaluationSession:
         finally:
             self._reserved = 0
 
+    def gradients(self, x: FloatArray, kind: int = 0) -> FloatArray:
+        """Return derivatives (n, d) of the response by the inputs at rows x (n, d).
+
+        Parameters
+        ----------
+        x
+            Inputs of units of one kind, shared ones first.
+        kind
+            Which kind; `slopes` tells whether its model offers a gradient.
+
+        Raises
+        ------
+        GradientError
+            If the gradient raises, or has another shape.
+        TimeLimitError
+            If the wall-clock limit is over.
+        """
+        slope = self.slopes[kind]
+        if slope is None:
+            raise ValueError(f"kind = {kind}: its model offers no gradient")
+        self.check_deadline()
+        self.n_gradients += len(x)
+        return gradients_at(slope, x)
+
     def admit(self, x: FloatArray) -> FloatArray:
         """Return rows that are to be run, checked; errors as in `evaluate`."""
         x = np.ascontiguousarray(array("X", x, ("n", self.dimension), finite=False))
@@ -220,7 +251,7 @@ class EvaluationSession:
 
         part = replace(
             self, max_evals=min(most, self.remaining), progress=progress,
-            n_evals=0, n_reused=0, n_failed=0, first_failure="", expected=None,
+            n_evals=0, n_reused=0, n_failed=0, first_failure="", n_gradients=0, expected=None,
         )  # fmt: skip
         try:
             yield part
@@ -228,6 +259,7 @@ class EvaluationSession:
             self.n_evals += part.n_evals
             self.n_reused += part.n_reused
             self.n_failed += part.n_failed
+            self.n_gradients += part.n_gradients
             self.first_failure = self.first_failure or part.first_failure
 
     @property

@@ -385,7 +385,12 @@ class ReliabilityMethod(ABC):
         )
         problem = run.task.problem
         return ReliabilityResult(
-            tuple(run.asked), rows, solution.details, problem.name, problem.system_digest
+            tuple(run.asked),
+            rows,
+            solution.details,
+            problem.name,
+            problem.system_digest,
+            session.n_gradients,
         )
 
     def _guarded(self, task: Task, solve: Callable[[], Solution]) -> Solution:

@@ -39,6 +39,7 @@ from uqfold.methods.standard_space import (
     Linearisation,
     NoGradientError,
     StandardSpaceResponse,
+    in_doubt,
 )
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import FORM
@@ -87,6 +88,11 @@ class Searches:
     found: dict[tuple[int, float], Search]
     n_evals_start: int
 
+    @property
+    def refuted(self) -> str:
+        """Why gradients that the models offer were not used; empty where they were."""
+        return "; ".join(dict.fromkeys(one.refuted for one in self.responses if one.refuted))
+
 
 @dataclass(frozen=True)
 class OpenTURNSFORM(ReliabilityMethod):
@@ -125,7 +131,8 @@ class OpenTURNSFORM(ReliabilityMethod):
     algorithms
         OpenTURNS algorithms in the order in which they are tried.
     step
-        Half width of the central differences (standard deviations), from 1e-4 to 1. The default
+        Half width of the central differences (standard deviations), from 1e-4 to 1, where the
+        problem has no ``gradient``. The default
         suits a model with noise: for the wing, 2e-5 s against 10 ms per standard deviation gives
         the gradient to about half a percent.
     tolerance
@@ -255,6 +262,7 @@ class OpenTURNSFORM(ReliabilityMethod):
             )
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
+        estimates = [in_doubt(one, done.refuted) for one in estimates]
         return Solution(estimates, FORMDetails(tuple(points.values()), n_start))
 
     def _searched(
@@ -401,7 +409,12 @@ def searched(method: OpenTURNSFORM, task: Task) -> Searches:
     units, kinds = SystemUnits.of(problem), problem.kinds
     responses = [
         StandardSpaceResponse(
-            inputs, session, method.step, session.remaining, partial(kinds.rows_of, kind)
+            inputs,
+            session,
+            method.step,
+            session.remaining,
+            partial(kinds.rows_of, kind),
+            None if kinds.gradients[kind] is None else partial(session.gradients, kind=kind),
         )
         for kind, inputs in enumerate(kinds.inputs)
     ]

@@ -159,6 +159,8 @@ class ReliabilityResult(Tabular[CriterionResult]):
         Name of the problem that was asked about.
     system
         `Problem.system_digest` of it, by which an answer to another question is told.
+    n_gradients
+        Gradients that the problem was asked for, one per row, beside the evaluations.
     """
 
     criteria: tuple[Criterion, ...]
@@ -166,6 +168,7 @@ class ReliabilityResult(Tabular[CriterionResult]):
     details: Any = None
     problem: str = ""
     system: str = ""
+    n_gradients: int = 0
 
     _SHOWN = (
         "threshold", "tau", "missions", "pf", "std_error", "ci_low", "ci_high", "n_evals_row",

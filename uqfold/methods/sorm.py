@@ -19,7 +19,7 @@ from uqfold.methods.design_point_check import LEAST, Surroundings, index_moved
 from uqfold.methods.openturns_form import OpenTURNSFORM, design_points, searched
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
-from uqfold.methods.standard_space import StandardSpaceResponse
+from uqfold.methods.standard_space import StandardSpaceResponse, in_doubt
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import SORM as THEORY
 from uqfold.problems.base import Problem
@@ -145,6 +145,7 @@ class SORM(ReliabilityMethod):
             return replace(estimate, n_evals_row=spent)
 
         estimates = [attempt(partial(answer, criterion)) for criterion in task.criteria]
+        estimates = [in_doubt(one, done.refuted) for one in estimates]
         orders = tuple(looked[threshold] for threshold in sorted(looked))
         details = SORMDetails(tuple(points.values()), orders, done.n_evals_start)
         return Solution(estimates, details)

@@ -1,23 +1,37 @@
 """One unit's response over standard-normal space and its linearisation, for FORM-like methods.
 
-The response y(u) is seen through a memo, so that an optimiser that asks twice pays once, and its
-gradient comes from central differences, whose step must be large against the noise of the model.
+The response y(u) is seen through a memo, so that an optimiser that asks twice pays once. Its
+gradient is the model's own, if there is one and it agrees with differences where the search starts;
+else it comes from central differences, whose step must be large against the noise of the model.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from uqfold.evaluation import BudgetExceededError, EvaluationSession, FailedRunError
+from uqfold.evaluation import (
+    BudgetExceededError,
+    EvaluationSession,
+    FailedRunError,
+    GradientError,
+)
 from uqfold.inputs import JointInputs
+from uqfold.methods.result import Estimate
 from uqfold.typing import FloatArray
 
 SEARCH_RADIUS = 10.0
 """The response is searched within this distance of the origin; 1 - Phi(10) = 8e-24."""
+
+_MAP_STEP = 1e-4
+"""Half width of the central differences of the map from standard-normal space to the inputs."""
+_AGREES = 0.05
+"""Share of the slope by which a gradient may differ from differences."""
+_FINER = 8.0
+"""Where it seems to, the differences are taken again over a step so many times smaller."""
 
 _LEVEL = 1e-300
 """Slope of a response that has none."""
@@ -96,6 +110,10 @@ class StandardSpaceResponse:
         Runs that may have been made in all (`session.n_evals`) before `BudgetExceededError`.
     row_of
         Makes rows for the session of inputs (k, d).
+    gradient
+        Derivatives (k, d) by the inputs (k, d), if the model offers them.
+    refuted
+        Why the model's gradient is not used; empty where it is, or there is none.
     """
 
     inputs: JointInputs
@@ -103,6 +121,9 @@ class StandardSpaceResponse:
     step: float
     allowed: int
     row_of: Callable[[FloatArray], FloatArray] = np.asarray
+    gradient: Callable[[FloatArray], FloatArray] | None = None
+    refuted: str = ""
+    _confirmed: bool = False
     _known: dict[bytes, float] = field(default_factory=dict)
 
     def values(self, u: FloatArray) -> FloatArray:
@@ -134,16 +155,82 @@ class StandardSpaceResponse:
         return y
 
     def linearise(self, u: FloatArray) -> Linearisation:
-        """Value and central-difference gradient at u (d,): 2 d + 1 runs.
+        """Value and gradient at u (d,): one run with the model's own gradient, else 2 d + 1.
 
-        Where one of the two neighbours in a direction has an infinite response, the difference
-        is one-sided.
+        The first time both are asked for: where they contradict each other, differences are used
+        from then on, and `refuted` says why. They are also used where the model's own is not a
+        number, and beyond `SEARCH_RADIUS`. Where one of the two neighbours in a direction has an
+        infinite response, the difference is one-sided.
 
         Raises
         ------
         NoGradientError
             If the response is infinite at u or on both sides of it, or does not change around it.
         """
+        own = self._own_gradient(u)
+        if own is None:
+            return self._by_differences(u)
+        if not self._confirmed:
+            known = self._by_differences(u)
+            self.refuted = self._contradiction(u, own)
+            if self.refuted:
+                self.gradient = None
+                return known
+            self._confirmed = True
+        centre = float(self.values(u[None, :])[0])
+        if not math.isfinite(centre):
+            raise NoGradientError(f"the response is {centre} at u = {shown(u)}")
+        if not math.hypot(*own) > 0.0:
+            raise NoGradientError(f"the response is stationary around u = {shown(u)}")
+        return Linearisation(u, centre, own)
+
+    def _own_gradient(self, u: FloatArray) -> FloatArray | None:
+        """Return the model's gradient (d,) by u, by the chain rule; None where there is none."""
+        if self.gradient is None or math.hypot(*u) > SEARCH_RADIUS:
+            return None
+        steps = _MAP_STEP * np.eye(u.size)
+        x = self.inputs.from_standard_normal(np.vstack([u, u + steps, u - steps]))
+        try:
+            by_inputs = self.gradient(x[:1])[0]
+        except GradientError as error:
+            self.refuted, self.gradient = str(error), None
+            return None
+        slopes = (x[1 : u.size + 1] - x[u.size + 1 :]) / (2.0 * _MAP_STEP)
+        with np.errstate(invalid="ignore"):
+            found = np.einsum("ij,j->i", slopes, by_inputs)
+        return found if np.isfinite(found).all() else None
+
+    def _contradiction(self, u: FloatArray, own: FloatArray) -> str:
+        """Return how a gradient (d,) contradicts differences around u (d,); empty if it does not.
+
+        A slope between those to both sides agrees, whatever the curvature.
+        """
+        ahead, back = self._sides(u, self.step)
+        low, high = np.minimum(ahead, back), np.maximum(ahead, back)
+        slack = _AGREES * max(math.hypot(*own), math.hypot(*(0.5 * (ahead + back))))
+        off = np.fmax(np.fmax(low - own, own - high), 0.0)
+        if not math.hypot(*off) > slack:
+            return ""
+        ahead, back = self._sides(u, self.step / _FINER)
+        by_differences = 0.5 * (ahead + back)
+        off = np.abs(own - by_differences)
+        if math.hypot(*off) <= slack:
+            return ""
+        worst = int(np.nanargmax(off))
+        return (
+            f"the gradient says {own[worst]:.3g} per standard deviation of "
+            f"{self.inputs.names[worst]}, differences {by_differences[worst]:.3g}"
+        )
+
+    def _sides(self, u: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
+        """Slopes (d,) to both sides of u (d,)."""
+        steps = step * np.eye(u.size)
+        y = self.values(np.vstack([u, u + steps, u - steps]))
+        with np.errstate(invalid="ignore"):
+            return (y[1 : u.size + 1] - y[0]) / step, (y[0] - y[u.size + 1 :]) / step
+
+    def _by_differences(self, u: FloatArray) -> Linearisation:
+        """Value and central-difference gradient at u (d,); errors as in `linearise`."""
         steps = self.step * np.eye(u.size)
         y = self.values(np.vstack([u, u + steps, u - steps]))
         centre, up, down = y[0], y[1 : u.size + 1], y[u.size + 1 :]
@@ -160,6 +247,15 @@ class StandardSpaceResponse:
             what = "is stationary" if change > 0.0 else "does not change"
             raise NoGradientError(f"the response {what} around u = {shown(u)}")
         return Linearisation(u, float(centre), gradient)
+
+
+def in_doubt(estimate: Estimate, refuted: str) -> Estimate:
+    """Return an answer that differences gave, since the model's own gradient was `refuted`."""
+    if not refuted or estimate.status in ("failed", "unsupported"):
+        return estimate
+    said = f"{refuted}: model and gradient do not belong together, differences were used"
+    message = f"{said}; {estimate.message}" if estimate.message else said
+    return replace(estimate, status="doubtful", message=message)
 
 
 def shown(u: FloatArray) -> str:

@@ -82,6 +82,7 @@ _COST: dict[str, Any] = {
     "method": str,
     "n_evals": lambda runs: f"{runs:,} evaluations",
     "n_reused": lambda runs: f"{runs:,} of them from a store",
+    "n_gradients": lambda count: f"{count:,} gradients",
     "n_failed": lambda runs: f"{runs:,} failed",
     "seconds": lambda seconds: f"{seconds:.3g} s",
     "seed": lambda seed: f"seed {seed}",

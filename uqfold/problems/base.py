@@ -82,6 +82,12 @@ class Problem:
         earlier runs. `uqfold.methods.MultifidelityMonteCarlo` runs it many times, to know where
         runs of the model decide; its answer is without bias however wrong the partner is, and the
         cheaper the better it is. No other method runs it. A failed run of it (NaN) does no harm.
+    gradient
+        Derivatives of the response: takes X (n, d), returns (n, d), of each row by each input; or
+        None. `uqfold.methods.OpenTURNSFORM` and `SORM` use it in place of differences, once it has
+        agreed with these where they start; if it does not, they say so. It runs in this process,
+        and its calls are counted apart (``result.n_gradients``). Units with a model of their own
+        have none. A row of NaN is one without a gradient.
     version
         Text that identifies the model's version to a store, or None (nothing is stored).
     name, response, input_units, response_unit
@@ -107,6 +113,7 @@ class Problem:
     kinds: UnitKinds = field(init=False)
     structure: SystemStructure
     low_fidelity: Model | None
+    gradient: Model | None
     version: str | None
     name: str
     response: str
@@ -125,6 +132,7 @@ class Problem:
         units: int | Sequence[Unit] = 1,
         structure: SystemStructure | None = None,
         low_fidelity: Model | None = None,
+        gradient: Model | None = None,
         version: str | None = None,
         name: str | None = None,
         response: str = "response",
@@ -137,6 +145,7 @@ class Problem:
         or_none("model", model, function, "give a function of X (n, d)")
         model = run_elsewhere if model is None else model
         or_none("low_fidelity", low_fidelity, function, "give a function of X (n, d)")
+        or_none("gradient", gradient, function, "give a function of X (n, d) that returns (n, d)")
         names = or_none("names", names, checked_names)
         if inputs is None:
             joint = product_inputs(shared, individual, names)
@@ -162,6 +171,7 @@ class Problem:
             "units": checked_units(units),
             "structure": Series() if structure is None else structure,
             "low_fidelity": low_fidelity,
+            "gradient": gradient,
             "version": or_none("version", version, text),
             "name": text("name", name, empty=True),
             "response": text("response", response),
@@ -174,12 +184,13 @@ class Problem:
         }
         for key, value in fields.items():
             object.__setattr__(self, key, value)
-        kinds = UnitKinds.of(self.units, model, joint, low_fidelity)
+        kinds = UnitKinds.of(self.units, model, joint, low_fidelity, gradient)
         object.__setattr__(self, "kinds", kinds)
         if len(kinds.models) == 1:
             object.__setattr__(self, "model", kinds.model)
             object.__setattr__(self, "inputs", kinds.inputs[0])
             object.__setattr__(self, "low_fidelity", kinds.partners[0])
+            object.__setattr__(self, "gradient", kinds.gradients[0])
         if not isinstance(self.structure, Series):
             checked_structure(self.structure, self.unit_names)
         object.__setattr__(self, "references", self._own(references))
@@ -201,7 +212,7 @@ class Problem:
         inputs
             Joint distribution of the d inputs.
         options
-            Further arguments of `Problem`, for instance ``name``.
+            Further arguments of `Problem`, for instance ``name``; a ``gradient`` is that of g.
         """
         function("g", g, "give a function of X (n, d)")
         if "units" in options:
@@ -210,6 +221,9 @@ class Problem:
         name = getattr(g, "__name__", "<lambda>")
         options.setdefault("name", "limit state" if name == "<lambda>" else name)
         options.setdefault("default_criteria", criteria(LIMIT_STATE_THRESHOLD))
+        if (gradient := options.get("gradient")) is not None:
+            remedy = "give a function of X (n, d) that returns (n, d)"
+            options["gradient"] = _Negated(function("gradient", gradient, remedy))
         # a model of one sample knows how to change its sign and stay one
         negated = getattr(g, "negated", None)
         model = negated() if callable(negated) else _Negated(g)
@@ -381,7 +395,7 @@ def run_elsewhere(x: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Negated:
-    """The response -g of a limit-state function g."""
+    """The response -g of a limit-state function g; or what a function of its kind returns."""
 
     g: Callable[[FloatArray], Any]
 

@@ -72,6 +72,8 @@ class UnitKinds:
         number of units was given, which may be very large.
     partners
         The cheaper partner of each kind's model, or None.
+    gradients
+        The gradient of each kind's model, or None.
     """
 
     models: tuple[Model, ...]
@@ -79,6 +81,7 @@ class UnitKinds:
     of_units: IntArray | None = None
     offsets: FloatArray | None = None
     partners: tuple[Model | None, ...] = (None,)
+    gradients: tuple[Model | None, ...] = (None,)
 
     @classmethod
     def of(
@@ -87,6 +90,7 @@ class UnitKinds:
         model: Model,
         inputs: JointInputs,
         low_fidelity: Model | None = None,
+        gradient: Model | None = None,
     ) -> UnitKinds:
         """Sort units into kinds.
 
@@ -98,9 +102,11 @@ class UnitKinds:
             Those of units without their own.
         low_fidelity
             Cheaper partner of `model`, or None.
+        gradient
+            Gradient of `model`, or None.
         """
         if isinstance(units, int):
-            return cls((model,), (inputs,), partners=(low_fidelity,))
+            return cls((model,), (inputs,), partners=(low_fidelity,), gradients=(gradient,))
         known: dict[int, JointInputs] = {}
         kinds: list[tuple[Model, JointInputs, Model | None]] = []
         of_units = []
@@ -123,7 +129,8 @@ class UnitKinds:
             kinds += [] if same else [kind]
         models, all_inputs, partners = zip(*kinds, strict=True)
         offsets = np.array([u.offset for u in units])
-        return cls(models, all_inputs, np.array(of_units), offsets, partners)
+        gradients = tuple(gradient if _is_same(one, model) else None for one in models)
+        return cls(models, all_inputs, np.array(of_units), offsets, partners, gradients)
 
     def said(self, kind: int, names: Sequence[str]) -> str:
         """Return which units are of a kind, as the beginning of a message; "" if all are."""

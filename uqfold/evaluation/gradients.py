@@ -1,0 +1,34 @@
+"""Gradients that a model offers: asked for row by row, and checked for what can be seen at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uqfold.checks import raised
+from uqfold.evaluation.errors import GradientError
+from uqfold.typing import FloatArray, Model
+
+
+def gradients_at(gradient: Model, x: FloatArray) -> FloatArray:
+    """Return what a gradient function says at rows.
+
+    Parameters
+    ----------
+    gradient
+        Takes inputs (n, d), returns derivatives (n, d) of the response by each of them.
+    x
+        Inputs (n, d).
+
+    Raises
+    ------
+    GradientError
+        If it raises, or returns something of another shape.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            found = np.asarray(gradient(x.copy()), dtype=np.float64)
+    except Exception as error:
+        raise GradientError(f"the gradient raised {raised(error)}") from error
+    if found.shape != x.shape:
+        raise GradientError(f"the gradient has shape {found.shape} for inputs of {x.shape}")
+    return found
