@@ -579,9 +579,9 @@ def calls(folder: Path) -> dict[str, Call]:
             uqfold.Evaluator().open(problem, None).evaluate, {"x": numbers(X)}
         ),
         "evaluation.EvaluationSession.gradients": Call(
-            uqfold.Evaluator()
-            .open(replace(problem, gradient=lambda x: np.zeros(x.shape)), None)
-            .gradients,
+            replace(
+                uqfold.Evaluator().open(problem, None), slopes=(lambda x: np.zeros(x.shape),)
+            ).gradients,
             {"x": numbers(X), "kind": Kind(0, np.int64(0), frozenset({"zero"}))},
         ),
         "evaluation.ExternalCode": Call(

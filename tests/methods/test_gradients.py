@@ -135,3 +135,14 @@ def test_it_stays_with_the_problem_and_units_of_another_model_have_none() -> Non
     assert MonteCarlo().estimate(problem, 24.0, max_evals=100, rng=1).n_gradients == 0
     with pytest.raises(TypeError, match="gradient = 3: give a function"):
         _problem(3)  # type: ignore[arg-type]
+
+
+def test_it_serves_runs_that_are_made_elsewhere() -> None:
+    problem = uqfold.Problem(None, individual=INPUTS, gradient=_slopes)
+    session = OpenTURNSFORM().start(problem, 24.0, rng=1)
+    while not session.done:
+        session.tell(x := session.ask(), _load(x))
+    told = session.result()
+    ran = OpenTURNSFORM().estimate(_problem(_slopes), 24.0, rng=1)
+    assert told.pf.tolist() == ran.pf.tolist()
+    assert told.n_gradients == ran.n_gradients > 0

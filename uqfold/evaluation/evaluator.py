@@ -108,9 +108,7 @@ class Evaluator:
         shelf = None
         if isinstance(self.store, Store):
             shelf = _shelf(self.store, problem)
-        session = self._session(problem.kinds.model, problem.kinds.columns, max_evals, shelf)
-        session.slopes = problem.kinds.gradients
-        return session
+        return self._session(problem.kinds.model, problem.kinds.columns, max_evals, shelf)
 
     def session(self, model: Model, dimension: int, max_evals: int | None) -> EvaluationSession:
         """Open the counted access to a bare model, of which nothing is stored."""

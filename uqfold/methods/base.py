@@ -357,6 +357,7 @@ class ReliabilityMethod(ABC):
             session = settings.open(problem, budget)
         else:
             session = settings.session_of_told(model, problem.kinds.columns, budget)
+        session.slopes = problem.kinds.gradients
         reasons = tuple(self.supports(problem, criterion) for criterion in asked)
         supported = tuple(c for c, reason in zip(asked, reasons, strict=True) if reason is None)
         return OpenRun(asked, reasons, Task(problem, supported, seed, session, settings))

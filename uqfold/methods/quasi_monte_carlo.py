@@ -104,6 +104,7 @@ class QuasiMonteCarlo(ReliabilityMethod):
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
+    inputs_may_step: ClassVar[bool] = True
     stochastic: ClassVar[bool] = True
 
     points: int | None = None
