@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from uqfold.checks import array
+from uqfold.checks import array, whole
 from uqfold.evaluation.batch import GIVE_UP_AFTER
 from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
@@ -186,8 +186,11 @@ class EvaluationSession:
             If the gradient raises, or has another shape.
         TimeLimitError
             If the wall-clock limit is over.
+        ValueError
+            If that kind's model offers none.
         """
-        slope = self.slopes[kind]
+        x = array("x", x, ("n", "d"), finite=False)
+        slope = self.slopes[whole("kind", kind, at_least=0, at_most=len(self.slopes) - 1)]
         if slope is None:
             raise ValueError(f"kind = {kind}: its model offers no gradient")
         self.check_deadline()
