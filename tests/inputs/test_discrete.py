@@ -203,3 +203,14 @@ def test_counted_data_become_an_input() -> None:
         from_data(counts)
     with pytest.raises(ValueError, match="all are the same"):
         from_data([1] * 10, "discrete")
+
+
+def test_other_probabilities_of_many_values_are_another_system() -> None:
+    even, odd = np.full(20, 0.05), np.full(20, 0.05)
+    odd[0], odd[1] = 0.04, 0.06
+    problems = [
+        Problem(lambda x: x[:, 0], individual={"a": discrete(np.arange(20.0), p)})
+        for p in (even, odd)
+    ]
+    assert str(problems[0].inputs.columns[0]) == str(problems[1].inputs.columns[0])
+    assert problems[0].system_digest != problems[1].system_digest

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from uqfold.methods.ask_tell import Steps
 
 from uqfold.evaluation import EvaluationSession, FailedRunError, InProcess
 from uqfold.methods import (
