@@ -251,6 +251,7 @@ def test_output_into_a_pipe_is_plain_and_wide(
     assert max(map(len, done.stdout.splitlines())) <= 120
 
 
+@pytest.mark.thorough
 def test_a_terminal_without_the_signs_loses_no_line() -> None:
     words = ["--method", "ffni-spa", "--threshold", "2", "--tau", "none", "--no-figures"]
     done = in_a_process("compare", "series", *words, PYTHONIOENCODING="ascii")

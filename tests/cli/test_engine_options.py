@@ -69,6 +69,7 @@ def test_words_that_mean_nothing_are_usage_errors(
     assert message in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(
     not hasattr(signal, "sigtimedwait"), reason="Ctrl-C is left to Python on this system"
 )

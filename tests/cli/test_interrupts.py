@@ -63,6 +63,7 @@ def test_the_methods_that_finished_are_kept(second: list[str], tmp_path: Path) -
     assert len(frame.attrs["uqfold-comparison"]["methods"]) == 2
 
 
+@pytest.mark.thorough
 def test_before_any_method_finished_nothing_is_written(tmp_path: Path) -> None:
     program = started(tmp_path / "new", "--threshold", "7", "--method", "endless")
     code, out, err = interrupted_after(tmp_path / "new", program)

@@ -55,6 +55,7 @@ def test_a_full_standard_output_is_told_and_the_work_is_kept(tmp_path: Path) -> 
     assert (tmp_path / "out" / "comparison.json").is_file()
 
 
+@pytest.mark.thorough
 def test_closed_streams_end_no_work(tmp_path: Path) -> None:
     done = shell(tmp_path, f"uqfold {COMPARE} >&- 2>&- <&-")
     assert (done.returncode, done.stderr) == (0, "")

@@ -437,6 +437,7 @@ def test_an_unfinished_comparison_knows_that_it_is(tmp_path: Path) -> None:
     assert [one["label"] for one in header["methods"]] == list(METHODS)
 
 
+@pytest.mark.thorough
 def test_a_large_comparison_is_written_and_read_in_seconds(tmp_path: Path) -> None:
     """Records of 1e5 rows: the work grows as the rows do."""
     frame = toy_frame(GRID, {"exact": METHODS["exact"]})

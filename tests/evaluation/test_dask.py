@@ -15,6 +15,7 @@ from uqfold.evaluation import Dask, Evaluator, ExecutorError
 from uqfold.methods import MonteCarlo
 
 pytestmark = [
+    pytest.mark.thorough,
     # of the loops and servers that the cluster leaves behind
     pytest.mark.filterwarnings("default::ResourceWarning", "default::DeprecationWarning"),
 ]

@@ -24,7 +24,7 @@ def peak_memory(systems: int, store: str) -> float:
 @pytest.mark.parametrize(
     ("few", "many", "kept"),
     [
-        (100_000, 1_000_000, False),
+        pytest.param(100_000, 1_000_000, False, marks=pytest.mark.thorough),
         # up to some 500,000 systems the cache of the store still fills
         pytest.param(600_000, 2_000_000, True, marks=pytest.mark.slow),
     ],

@@ -6,7 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import uqfold
+
+pytestmark = pytest.mark.thorough
 
 PROGRAM = """
 import warnings

@@ -55,7 +55,10 @@ def implicit(monkeypatch):
     return answers
 
 
-@pytest.mark.parametrize("wing", STIFF)
+# those of the default tests: one without and one with a motion that locks
+@pytest.mark.parametrize(
+    "wing", [*STIFF[:2], *(pytest.param(one, marks=pytest.mark.thorough) for one in STIFF[2:])]
+)
 def test_a_motion_that_explicit_steps_give_up_comes_to_its_end(wing, implicit):
     t = deployment_times(wing)[0]
     # explicit steps gave it up, and implicit ones kept its error under control
@@ -114,6 +117,7 @@ def test_the_motion_of_a_stiff_wing_balances_its_energies():
     assert motion.contact_loss[-1].sum() + motion.friction_loss[-1].sum() > 0.03 * turned_over
 
 
+@pytest.mark.thorough
 def test_a_rough_motion_is_recorded_with_a_warning():
     with pytest.warns(RuntimeWarning, match="1 of 1 motions vibrate"):
         motion = trajectory(ROUGH[1])

@@ -57,7 +57,7 @@ def position(state):
 def test_order_three_in_contact(in_contact):
     w, start = in_contact
     t_end = start.t + 1e-3
-    reference = position(follow(w, start, t_end, 4096)[0])
+    reference = position(follow(w, start, t_end, 1024)[0])
     counts = [32, 64, 128]
     errors = [np.abs(position(follow(w, start, t_end, n)[0]) - reference).max() for n in counts]
     orders = [math.log2(a / b) for a, b in pairwise(errors)]

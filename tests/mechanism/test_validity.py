@@ -133,6 +133,7 @@ def test_any_wing_locks_or_does_not(values, share):
         assert t == math.inf or 0 < t <= wing.t_max
 
 
+@pytest.mark.thorough
 @FREELY
 @given(values=fields(FAR), share=SHARE)
 def test_any_record_at_all_comes_to_an_end(values, share):

@@ -183,6 +183,7 @@ def test_rows_of_a_step_can_run_in_parallel() -> None:
     assert sizes == [15, 5, 5, 5]
 
 
+@pytest.mark.thorough
 def test_ask_and_tell_with_an_interruption_gives_the_answer_of_estimate(tmp_path: Path) -> None:
     method = ActiveKriging(runs=24, kernel="gaussian")
     asked = criteria([11.0, 12.0], tau=[None, 2.0])

@@ -420,6 +420,7 @@ def test_no_save_loses_the_responses_of_another_process(tmp_path: Path) -> None:
     assert (tmp_path / "thesis.txt").read_text() == "words"
 
 
+@pytest.mark.thorough
 def test_processes_that_save_at_once_leave_one_whole_session(tmp_path: Path) -> None:
     path = tmp_path / "walk.npz"
     programs = [

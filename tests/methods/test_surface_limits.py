@@ -76,9 +76,12 @@ def test_tau_below_the_error_of_the_surface_is_doubted() -> None:
     ("method", "units"),
     [
         pytest.param(PolynomialChaos(runs=16), 100_000, marks=pytest.mark.thorough, id="pce"),
-        pytest.param(ActiveKriging(runs=14, kernel="gaussian"), 100, id="active-kriging"),
+        pytest.param(
+            ActiveKriging(runs=14, kernel="gaussian"), 100, marks=pytest.mark.thorough,
+            id="active-kriging",
+        ),
     ],
-)
+)  # fmt: skip
 def test_the_number_of_criteria_and_units_costs_next_to_nothing(
     method: ReliabilityMethod, units: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

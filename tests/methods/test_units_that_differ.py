@@ -502,6 +502,7 @@ def test_active_kriging_learns_what_decides_a_system_of_several_kinds() -> None:
     assert details.history_runs[-1] == sum(one.surface.y.size for one in both) < result.n_evals
 
 
+@pytest.mark.thorough
 def test_active_kriging_sees_units_apart_by_their_offsets_under_tau() -> None:
     units = [Unit(), Unit(offset=0.4), Unit(offset=0.4)]
     problem, asked = Problem(pump, **INPUTS, units=units), Criterion(1.5, tau=2.0)

@@ -1,8 +1,6 @@
 """The figure of a comparison, and errors against cost: what is drawn, where, and how it is told."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from tests.comparison.fakes import GRID, METHODS, THRESHOLDS, Sampled, Told, toy_problem
+from tests.comparison.fakes import METHODS, THRESHOLDS, Sampled, Told, toy_problem
 from tests.comparison.fakes import toy_frame as frame
 from uqfold import plots
 from uqfold.methods import available
@@ -305,24 +303,6 @@ def test_a_small_mark_has_the_colour_of_its_method_in_a_png_too(tmp_path: Path) 
     for label, style in styles.items():
         color = np.rint(255.0 * np.array(to_rgb(style.color)))
         assert np.abs(pixels - color).max(axis=1).min() <= 8, label
-
-
-def test_no_window_is_involved(tmp_path: Path) -> None:
-    code = (
-        "import sys\n"
-        "from tests.comparison.fakes import toy_frame, Told\n"
-        "from uqfold.problems.criterion import criteria\n"
-        "from uqfold import plots\n"
-        "records = toy_frame(criteria(12.0), {'exact': Told()})\n"
-        f"plots.save(plots.comparison(records), {str(tmp_path / 'two')!r})\n"
-        "print('matplotlib.pyplot' in sys.modules)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True, text=True, check=True, cwd=Path(__file__).parents[2], timeout=120,
-    )  # fmt: skip
-    assert done.stdout.strip() == "False"
-    assert len(GRID) == 12
 
 
 def test_the_figures_of_a_comparison_are_written(short: pd.DataFrame, tmp_path: Path) -> None:

@@ -39,6 +39,7 @@ def test_the_reference_is_found_again(name: str) -> None:
     assert pf == pytest.approx(one.pf, rel=1e-10, abs=error + one.error)
 
 
+@pytest.mark.thorough
 def test_simulation_agrees_with_references() -> None:
     """Of few inputs, which draws from a wider space fill."""
     simulated = [name for name in NAMES if name not in THIN and problem(name).inputs.dimension <= 6]

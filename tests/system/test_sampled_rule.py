@@ -23,7 +23,7 @@ def square(u: FloatArray) -> FloatArray:
     return np.asarray((u**2).sum(axis=1))
 
 
-@pytest.mark.parametrize("d", [4, 40])
+@pytest.mark.parametrize("d", [4, pytest.param(40, marks=pytest.mark.thorough)])
 def test_failure_all_around_in_many_directions_is_known_to_one_percent(d: int) -> None:
     asked = criteria(chi2.isf(WANTED, d).tolist())
     system = laid_out(square, d, 0, 1, asked)
@@ -64,7 +64,7 @@ def test_stations_too_far_apart_for_a_sharp_feature_are_an_error() -> None:
     assert found.pf == pytest.approx(sharp_pf(2.5), rel=0.2)
 
 
-@pytest.mark.parametrize("d", [8, 40])
+@pytest.mark.parametrize("d", [8, pytest.param(40, marks=pytest.mark.thorough)])
 def test_what_bends_in_many_directions_is_told_by_lines_at_adapted_places(d: int) -> None:
     """The sum of exponentials: at places drawn as the inputs are, errors are ten times as large."""
     wanted = np.array([1e-2, 1e-7])

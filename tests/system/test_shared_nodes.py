@@ -23,7 +23,8 @@ DENSITY = np.exp(-0.5 * V**2) / math.sqrt(2.0 * math.pi) * (V[1] - V[0])
 @pytest.mark.parametrize(
     ("shared", "units", "works", "threshold"),
     [
-        (0.4, 200, 100, 1.9),  # 0 with five nodes, and no doubt
+        # 0 with five nodes, and no doubt
+        pytest.param(0.4, 200, 100, 1.9, marks=pytest.mark.thorough),
         (0.4, 20, 1, 0.9),
         (0.2, 50, 25, 0.6),
         (0.8, 40, 20, 3.0),
