@@ -540,10 +540,6 @@ def calls(folder: Path) -> dict[str, Call]:
         "comparison.problem_scores": Call(comparison.problem_scores, of_benchmark),
         "comparison.solving_costs": Call(comparison.solving_costs, of_benchmark),
         "comparison.read_benchmark": Call(comparison.read_benchmark, {"path": file}),
-        "comparison.benchmark_summary": Call(
-            comparison.benchmark_summary,
-            {"frame": thing(frame.assign(max_evals=1.0)), "units": thing({"response": 2})},
-        ),
         "comparison.checked_frame": Call(comparison.checked_frame, {"frame": thing(frame)}),
         "comparison.comparison_header": Call(comparison.comparison_header, {"frame": thing(frame)}),
         "comparison.criteria_of": Call(

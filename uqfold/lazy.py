@@ -45,6 +45,7 @@ GONE = {
     "uqfold.comparison.MethodRun": "run_comparison yields the frame of all finished methods now",
     "uqfold.comparison.Records": "a comparison is a pandas frame now, as read_records returns it",
     "uqfold.comparison.RunHeader": "what was asked is the dict comparison_header(frame) now",
+    "uqfold.comparison.benchmark_summary": "league_table and problem_scores sum up answers now",
     "uqfold.comparison.plan_comparison": _PLAN,
     "uqfold.evidence.Axis": _POINTS,
     "uqfold.evidence.Column": "the columns of a uqfold.validation.Table are texts now",
@@ -53,7 +54,7 @@ GONE = {
     "uqfold.evidence.StoredResult": "a record quotes no other record now",
     "uqfold.mechanism.BaumgarteTrajectory": _BAUMGARTE,
     "uqfold.mechanism.baumgarte_trajectory": _BAUMGARTE,
-    "uqfold.plots.benchmark": "rows of benchmark_summary are drawn by uqfold.plots.points now",
+    "uqfold.plots.benchmark": "uqfold.plots.points draws rows with columns series, x and y now",
     "uqfold.plots.reliability": 'it is uqfold.plots.reliability_panels(frame, ["pf"]) now',
     "uqfold.problems.wing.CONDITIONS": "the paper's conditions are in studies/paper.py now",
 }

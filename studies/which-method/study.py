@@ -12,10 +12,13 @@ nodes per shared and 7 per individual input. The efficiency says how many times 
 Carlo would need for the same mean squared error. All runs take about 12 minutes of one processor.
 """
 
+import math
 import sys
 from itertools import product
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -61,6 +64,11 @@ ROWS = [
     "n_evals", "seed", "reference_pf",
 ]  # fmt: skip
 
+GROUP = ["problem", "label", "max_evals", "synchronized", "decade"]
+"""What answers are pooled by; a decade d has references from 10^d to 10^(d + 1)."""
+RESOLUTION = 0.5
+"""A reference whose own error exceeds this share of the error found says too little of it."""
+
 
 def tables(run: Run) -> None:
     """Ask every method on every problem, with every budget and seed."""
@@ -81,10 +89,48 @@ def tables(run: Run) -> None:
     answers = pd.concat(found, ignore_index=True)
     first = (answers["seed"] == 0) & (answers["max_evals"] == answers["label"].map(QUICK))
     run.keep("first-seed", answers.loc[first, ROWS])
-    units = {name: problem.n_units for name, problem in PROBLEMS.items()}
-    run.keep("summary", uqfold.comparison.benchmark_summary(answers, units))
+    run.keep("summary", summary(answers))
     statuses = answers.groupby(["label", "max_evals", "status"], sort=False).size()
     run.keep("statuses", statuses.unstack(fill_value=0).reset_index())
+
+
+def summary(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return bias and scatter of the answers, and whether they know them, by `GROUP`."""
+    known = answers[answers["reference_pf"] > 0.0]
+    decade = np.ceil(np.log10(known["reference_pf"])).astype(int) - 1
+    groups = known.assign(synchronized=known["tau"].notna(), decade=decade).groupby(
+        GROUP, sort=False
+    )
+    return pd.DataFrame([dict(zip(GROUP, key, strict=True)) | _summed(own) for key, own in groups])
+
+
+def _summed(rows: pd.DataFrame) -> dict[str, Any]:
+    own = rows[rows["pf"].notna()]
+    known, known_error = own["reference_pf"], own["reference_std_error"]
+    error = own["pf"] / known - 1.0
+    ratio = (own["pf"] - known) / np.hypot(own["std_error"], known_error)
+    stated, slack = own.dropna(subset=["ci_low", "ci_high"]), 2.0 * known_error
+    inside = known.between(own["ci_low"] - slack, own["ci_high"] + slack)[stated.index]
+    units = own["problem"].map(lambda name: PROBLEMS[name].n_units).astype(float)
+    systems = own["n_evals"] / units
+    rms, simple = _rms(error), _rms(np.sqrt((1.0 - known) / (known * systems)))
+    return {
+        "answers": len(own),
+        "runs": len(rows),
+        "n_evals": own["n_evals"].mean(),
+        "bias": error.mean(),
+        "bias_error": error.groupby(own["seed"]).mean().sem(),
+        "rms": rms,
+        "coverage": inside.mean(),
+        "error_ratio": _rms(ratio[own["std_error"] > 0.0]),
+        "monte_carlo_rms": simple,
+        "efficiency": math.inf if rms == 0.0 else (simple / rms) ** 2,
+        "judged": bool(_rms(known_error / known) <= RESOLUTION * rms),
+    }
+
+
+def _rms(values: pd.Series) -> float:
+    return math.sqrt(values.pow(2).mean())
 
 
 def page(run: Run) -> "uqfold.report.Page":

@@ -1,4 +1,3 @@
-from uqfold.comparison.benchmark import benchmark_summary as benchmark_summary
 from uqfold.comparison.benchmark_rows import read_benchmark as read_benchmark
 from uqfold.comparison.form import record_schema as record_schema
 from uqfold.comparison.frames import (
