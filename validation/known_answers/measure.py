@@ -102,6 +102,8 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
         and one.std_error <= CERTAIN * one.pf
         and (one.criterion.tau is not None or name not in settings.get("only_with_tau", ()))
     ]
+    if settings.get("few_taus", False) and work.tier == "quick":
+        known = with_few_taus(known)
     known = known[:: max(1, len(known) // settings.get("criteria", len(known)))]
     if work.fault == "stale reference":
         known = [replace(one, pf=min(1.2 * one.pf, 1.0)) for one in known]
@@ -114,6 +116,13 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
     supported = rows[rows["status"] != "unsupported"]
     # of the method that a remedy takes the place of
     return planted(supported, work.fault).assign(method=name, problem=problem_name)
+
+
+def with_few_taus(known: Sequence[Reference]) -> list[Reference]:
+    """Leave out all but two synchronization thresholds: each has integrals of its own."""
+    taus = sorted({one.criterion.tau for one in known if one.criterion.tau is not None})
+    kept = {None, *taus[len(taus) // 3 :: max((len(taus) + 1) // 2, 1)]}
+    return [one for one in known if one.criterion.tau in kept]
 
 
 def against(found: pd.DataFrame, known: Sequence[Reference]) -> pd.DataFrame:
