@@ -45,7 +45,6 @@ GONE = {
     "uqfold.comparison.MethodRun": "run_comparison yields the frame of all finished methods now",
     "uqfold.comparison.Records": "a comparison is a pandas frame now, as read_records returns it",
     "uqfold.comparison.RunHeader": "what was asked is the dict comparison_header(frame) now",
-    "uqfold.comparison.benchmark_summary": "league_table and problem_scores sum up answers now",
     "uqfold.comparison.plan_comparison": _PLAN,
     "uqfold.evidence.Axis": _POINTS,
     "uqfold.evidence.Column": "the columns of a uqfold.validation.Table are texts now",
