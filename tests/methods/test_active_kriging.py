@@ -22,6 +22,7 @@ from uqfold.methods.active_stopping import (
     Stability,
     control_points,
     outlying_points,
+    points_around,
     unvisited,
 )
 from uqfold.methods.active_view import View
@@ -91,6 +92,7 @@ def test_converged_means_checked_by_runs_outside_the_training_set() -> None:
         assert not any(check.outlying.against(np.zeros(1)).any() for check in details.checks)
         kept_out = sum(len(check.u) for check in details.checks if check.passed)
         kept_out += sum(int((~one.outlying.missed(np.zeros(1))).sum()) for one in details.checks)
+        kept_out += sum(int((~one.misled).sum()) for one in details.checks)
         assert result.n_evals == len(trained) + kept_out
         assert details.history_runs[-1] == len(trained)
         assert details.history_beta.shape == details.history_std.shape
@@ -297,22 +299,22 @@ def test_check_passes_what_was_foretold_and_fails_what_was_not() -> None:
     assert u.shape == (9, 2)
     mean, std = view.process.mean_and_std(u)
     stated = np.hypot(std, view.process.noise_std)
-    nothing_further = Outlying.of(view, u[:0], mean[:0])
-    assert Check.of(view, u, mean + stated, 1e-9, nothing_further).passed
+    nothing = Outlying.of(view, u[:0], mean[:0])
+    neither = nothing, nothing
+    assert Check.of(view, u, mean + stated, 1e-9, *neither).passed
     # one run out of nine four standard deviations away
     wrong = mean.copy()
     wrong[3] += 4.0 * stated[3]
-    assert not Check.of(view, u, wrong, 1e-9, nothing_further).passed
+    assert not Check.of(view, u, wrong, 1e-9, *neither).passed
     # all of them 2.5 away
-    assert not Check.of(view, u, mean + 2.5 * stated, 1e-9, nothing_further).passed
+    assert not Check.of(view, u, mean + 2.5 * stated, 1e-9, *neither).passed
     # but not if that moves no answer by more than the tolerance
-    assert Check.of(view, u, mean + 2.5 * stated, 1e3, nothing_further).passed
-    assert Check.of(
-        view, u, mean + 2.5 * stated, 1e3, nothing_further
-    ).overconfidence == pytest.approx(2.5)
-    nothing = Check.of(view, u, np.full(9, np.nan), 1e3, nothing_further)
-    assert not nothing.passed
-    assert nothing.overconfidence == 1.0
+    assert Check.of(view, u, mean + 2.5 * stated, 1e3, *neither).passed
+    check = Check.of(view, u, mean + 2.5 * stated, 1e3, *neither)
+    assert check.overconfidence == pytest.approx(2.5)
+    failed = Check.of(view, u, np.full(9, np.nan), 1e3, *neither)
+    assert not failed.passed
+    assert failed.overconfidence == 1.0
 
 
 def test_a_check_fails_where_a_run_further_out_lies_on_the_other_side() -> None:
@@ -329,12 +331,49 @@ def test_a_check_fails_where_a_run_further_out_lies_on_the_other_side() -> None:
         outlying = Outlying.of(view, u, y)
         assert outlying.against(np.array([2.5])).any() == contradicts
         agreeing = view.process.u[:2], view.process.y[:2]
-        assert Check.of(view, *agreeing, 1e-9, outlying).passed != contradicts
+        nothing = Outlying.of(view, u[:0], y[:0])
+        assert Check.of(view, *agreeing, 1e-9, outlying, nothing).passed != contradicts
     y[sure] = 2.5 - 1e-9 * (mean[sure] - 2.5)
     assert Outlying.of(view, u, y).against(np.array([2.5]))[sure]
     # a threshold approached much more closely than foretold: a step may lie anywhere before it
     y[sure] = 2.5 + 0.1 * (mean[sure] - 2.5)
     assert Outlying.of(view, u, y).against(np.array([2.5]))[sure]
+
+
+def ridge(x: FloatArray) -> FloatArray:
+    """Linear in the first input, but for a narrow ridge along it."""
+    return x[:, 0] + 2.0 * np.exp(-(((x[:, 1] - 2.0) / 0.2) ** 2))
+
+
+def test_a_check_fails_where_runs_all_around_meet_a_ridge_that_no_other_has_entered() -> None:
+    """A ridge that holds most failures: pf was 64 % too low, and converged after 35 runs."""
+    rng = np.random.default_rng(4)
+    u = rng.standard_normal((20, 2))
+    u = u[np.abs(u[:, 1] - 2.0) > 1.0]
+    question = replace(QUESTION, criteria=(Criterion(3.2), Criterion(4.0)))
+    [view] = View.of([fit_gaussian_process(u, ridge(u))], question, rng).kinds
+    agreeing = view.process.u[:2], view.process.y[:2]
+    around = points_around(view, 50, rng)
+    nothing = Outlying.of(view, u[:0], u[:0, 0])
+    met = np.abs(around[:, 1] - 2.0) < 0.2
+    assert met.any()
+    for y, passed in ((ridge(around), False), (around[:, 0], True)):
+        check = Check.of(view, *agreeing, 1e-9, nothing, Outlying.of(view, around, y))
+        assert check.passed == passed
+        assert check.misled[met].all() != passed
+        assert not check.misled[np.abs(around[:, 1] - 2.0) > 0.4].any()
+    # no further out than matters
+    assert np.linalg.norm(around, axis=1).max() < 5.0
+    assert points_around(view, 0, rng).shape == (0, 2)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_narrow_ridge_is_never_converged_and_missed(seed: int) -> None:
+    problem = Problem(ridge, individual=[stats.norm(), stats.norm()])
+    row = ActiveKriging().estimate(problem, criteria(3.2), max_evals=250, rng=seed)[0]
+    assert row.pf == pytest.approx(0.00192923, rel=0.05) or row.status != "converged"
+    assert row.n_evals > 90
 
 
 def test_runs_further_out_that_the_surface_was_not_sure_of_are_learned() -> None:

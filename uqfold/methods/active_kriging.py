@@ -26,6 +26,7 @@ from uqfold.methods.active_stopping import (
     Stability,
     control_points,
     outlying_points,
+    points_around,
     unvisited,
 )
 from uqfold.methods.active_view import KindView, View
@@ -79,6 +80,10 @@ _AT_STAKE = 0.01
 _STEPS_TO_DOUBLE = 12
 # Share of the runs with which the first check looks further out.
 _OUTLYING = 0.1
+# Shortfall, at least, of what has not become stable or not passed its check.
+_UNSETTLED = 1.5
+# Most runs all around in a check, of each kind.
+_AROUND = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +148,8 @@ class ActiveKriging(SequentialMethod):
     check also looks further out, with at most a tenth of the runs: beyond the most important point
     and on both sides along each input. A threshold that is crossed there where the surface was sure
     of the other side, or much nearer than it says, makes its rows ``doubtful``; where it was not
-    sure it learns. A region that no run enters stays unknown.
+    sure it learns. Up to 50 runs all around, evenly along each input, look for ridges and regions
+    that no run at the limit meets. A region that no run enters stays unknown.
 
     Attributes
     ----------
@@ -248,7 +254,7 @@ class ActiveKriging(SequentialMethod):
         needed = [first_runs(None, d, MAX_RUNS) for d in dimensions]
         asked = min(sum(needed), MAX_RUNS) if self.runs is None else self.runs
         total = affordable_runs(task, asked, sum(least))
-        growth = Growth.of(task, self.runs, total, MAX_RUNS)
+        growth, first_total = Growth.of(task, self.runs, total, MAX_RUNS), total
         first = [
             max(12, 3 * d) if self.initial is None else max(self.initial, few)
             for d, few in zip(dimensions, least, strict=True)
@@ -263,7 +269,7 @@ class ActiveKriging(SequentialMethod):
         checks: list[list[Check]] = [[] for _ in dimensions]
         nothing = [(np.empty((0, d)), np.empty(0)) for d in dimensions]
         runs, last = known, nothing
-        batch, unchecked, aside = self.batch * count, 0, 0
+        batch, grown, aside = self.batch * count, False, 0
         if max(dimensions) >= MANY_INPUTS:
             batch = max(batch, total // _STEPS_TO_DOUBLE)
 
@@ -289,22 +295,36 @@ class ActiveKriging(SequentialMethod):
             if task.session.watched:
                 task.session.report(view.running())
             made = sum(own.y.size for own in runs)
-            left = total - made - aside
             outliers = [
                 0 if own else min(2 * d + 1, int(_OUTLYING * total / count))
                 for own, d in zip(checks, dimensions, strict=True)
             ]
-            affordable = left >= count * self.controls + sum(outliers)
-            check_now = stability.reached and affordable and made >= unchecked
+            least_check = count * self.controls + sum(outliers)
+            # a check may go beyond what is learned from, where the budget does
+            rest = max(total, growth.most) - made - aside - least_check
+            # runs that were asked for because of the error are spent before another check
+            spent_soon = total - made - aside - least_check < batch
+            check_now = stability.reached and rest >= 0 and (spent_soon or not grown)
+            # half of the rest, so that there may be another check after one that has failed
+            share = min(_AROUND, max(rest, 0) // (2 * count))
+            around = [share if stability.looks_around(own) else 0 for own in checks]
+            if check_now and (size := made + aside + least_check + sum(around)) > total:
+                total = size
+                task.session.expect(total)
+            left = total - made - aside
             if left > 0:
                 new = [u for u, _ in nothing]
                 try:
                     if check_now:
                         new = [
                             np.concatenate(
-                                [control_points(one, self.controls, rng), outlying_points(one, n)]
+                                [
+                                    control_points(one, self.controls, rng),
+                                    outlying_points(one, n),
+                                    points_around(one, some, rng),
+                                ]
                             )
-                            for one, n in zip(view.kinds, outliers, strict=True)
+                            for one, n, some in zip(view.kinds, outliers, around, strict=True)
                         ]
                     else:
                         new = self._next(view, runs, min(batch, left), rng)
@@ -315,21 +335,26 @@ class ActiveKriging(SequentialMethod):
                     return answered(str(error))[0]
                 last = list(zip(new, met, strict=True))
             if check_now:
+                stability.looked()
                 last = [
-                    self._learnable(kind, own, *pair)
-                    for kind, own, pair in zip(view.kinds, checks, last, strict=True)
+                    self._learnable(kind, own, *pair, some)
+                    for kind, own, pair, some in zip(view.kinds, checks, last, around, strict=True)
                 ]
                 aside += sum(len(u) for u in new) - sum(len(u) for u, _ in last)
             passed = check_now and all(own[-1].passed for own in checks)
             if left == 0 or passed:
                 found, shortfall = answered(stability.unfinished(checks) if left == 0 else "")
                 spent = made + sum(met.size for _, met in last) + aside
+                unsettled = any(one.status == "budget_exhausted" for one in found.estimates)
+                if unsettled and made <= first_total:
+                    # as many runs again may settle it
+                    shortfall = max(shortfall, _UNSETTLED)
                 more = growth.next_size(spent, shortfall)
                 if more is None:
                     return found
                 more = max(more, total)
                 task.session.expect(more)
-                total, unchecked = more, more - count * self.controls
+                total, grown = more, True
                 batch = max(batch, more // _STEPS_TO_DOUBLE)
                 if left == 0:
                     # the same runs will be looked at once more
@@ -337,17 +362,20 @@ class ActiveKriging(SequentialMethod):
             known = [own.with_more(*pair) for own, pair in zip(runs, last, strict=True)]
 
     def _learnable(
-        self, kind: KindView, checks: list[Check], u: FloatArray, y: FloatArray
+        self, kind: KindView, checks: list[Check], u: FloatArray, y: FloatArray, around: int
     ) -> tuple[FloatArray, FloatArray]:
         """Add the check of one kind by runs (m, d), (m,); and return those that may be learned.
 
-        Those further out that agree would teach nothing of what is near.
+        Those further out, and the last ones, all `around`, that agree would teach nothing.
         """
-        k = self.controls
-        further = Outlying.of(kind, u[k:], y[k:])
-        checks.append(Check.of(kind, u[:k], y[:k], self.tolerance, further))
-        agree = k + np.flatnonzero(~further.missed(kind.answers.levels))
-        return np.delete(u, agree, axis=0), np.delete(y, agree)
+        k, end = self.controls, y.size - around
+        further = Outlying.of(kind, u[k:end], y[k:end])
+        beside = Outlying.of(kind, u[end:], y[end:])
+        check = Check.of(kind, u[:k], y[:k], self.tolerance, further, beside)
+        checks.append(check)
+        telling = [np.ones(k, dtype=bool), further.missed(kind.answers.levels), check.misled]
+        kept = np.concatenate(telling)
+        return u[kept], y[kept]
 
     def _answered(
         self,

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uqfold.methods.active_view import KindView, View
+from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.importance_cloud import WideProposal, resampled
 from uqfold.typing import BoolArray, FloatArray
 
@@ -32,6 +33,8 @@ _BEYOND, _SURE_Z = 1e-3, 2.0
 # Share of its foretold distance to a threshold within which an outlying run is much nearer to it,
 # and stated errors from which that contradicts the surface.
 _NEARER, _CONTRADICTED_Z = 0.5, 5.0
+# The same of runs all around, where the surface is no extrapolation, and of their stated errors.
+_NEARER_INSIDE, _INSIDE_Z = 0.9, 5.0
 
 
 @dataclass
@@ -52,6 +55,21 @@ class Stability:
 
     tolerance: float
     views: list[View] = field(default_factory=list)
+    _checked: View | None = field(default=None, init=False)
+
+    def looked(self) -> None:
+        """Keep what was seen when runs of a check were made."""
+        self._checked = self.views[-1]
+
+    def looks_around(self, checks: Sequence[Check]) -> bool:
+        """Whether a check of one kind needs runs all around: the first one does.
+
+        So does one after runs all around that taught what has moved an answer.
+        """
+        if not checks or self._checked is None:
+            return True
+        moved = self.views[-1].moved_since(self._checked).max() > self.tolerance
+        return bool(moved and checks[-1].misled.any())
 
     @property
     def reached(self) -> bool:
@@ -124,9 +142,23 @@ class Outlying:
 
     def _nearer(self, levels: FloatArray, least: float) -> BoolArray:
         """Much nearer to a threshold than foretold, by at least so many stated errors."""
-        foretold, found = self.mean[:, None] - levels, self.y[:, None] - levels
         surprising = np.abs(self.mean - self.y) > least * self.std
-        return np.asarray((np.abs(found) < _NEARER * np.abs(foretold)) & surprising[:, None])
+        return self._closer(levels, _NEARER) & surprising[:, None]
+
+    def _closer(self, levels: FloatArray, share: float) -> BoolArray:
+        """Nearer to a threshold than this share of the distance foretold."""
+        foretold, found = self.mean[:, None] - levels, self.y[:, None] - levels
+        return np.asarray(np.abs(found) < share * np.abs(foretold))
+
+    def misled(self, levels: FloatArray, little: float) -> BoolArray:
+        """Which of runs (m,) all around would teach something that changes the answers.
+
+        They are missed by far more than stated and by more than a `little`, to the other side of
+        one of the thresholds (L,) or towards it, or have failed.
+        """
+        missed = np.abs(self.mean - self.y) > np.maximum(_INSIDE_Z * self.std, little)
+        wrong = (self._wrong(levels) | self._closer(levels, _NEARER_INSIDE)).any(axis=1)
+        return np.asarray((missed & wrong) | np.isnan(self.y))
 
     def _wrong(self, levels: FloatArray) -> BoolArray:
         return np.asarray((self.mean[:, None] > levels) != (self.y[:, None] > levels))
@@ -146,9 +178,11 @@ class Check:
         Standard deviation (m,) that the surrogate states for it, noise included.
     passed
         Whether the surrogate's own error explains the residuals, or they are too small to matter,
-        and nothing further out speaks against it.
+        and nothing further out or all around speaks against it.
     outlying
         Runs further out, which the first check makes.
+    misled
+        Which of the runs (k,) all around it had foretold wrongly.
     """
 
     u: FloatArray
@@ -156,6 +190,7 @@ class Check:
     std: FloatArray
     passed: bool
     outlying: Outlying
+    misled: BoolArray
 
     @classmethod
     def of(
@@ -165,6 +200,7 @@ class Check:
         y: FloatArray,
         tolerance: float,
         outlying: Outlying,
+        around: Outlying,
     ) -> Check:
         """Compare responses y (m,) at u (m, d) with the surrogate of a view.
 
@@ -178,19 +214,23 @@ class Check:
             Change of a reliability index that does not matter.
         outlying
             Runs further out, none of them after the first check.
+        around
+            Runs all around.
         """
+        levels, shift = view.answers.levels, float(view.shift.max())
+        misled = around.misled(levels, tolerance / shift if shift > 0.0 else math.inf)
         mean, std = view.process.mean_and_std(u)
         std = np.hypot(std, view.process.noise_std)
         finite = np.isfinite(y)
         residuals = np.where(finite, y - mean, np.nan)
         if not finite.any():
-            return cls(u, residuals, std, False, outlying)
+            return cls(u, residuals, std, False, outlying, misled)
         z = np.abs(residuals / std)[finite]
-        matters = np.abs(residuals[finite]) * view.shift.max() > tolerance
+        matters = np.abs(residuals[finite]) * shift > tolerance
         explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
-        agreed = not outlying.missed(view.answers.levels).any()
+        agreed = not (outlying.missed(levels).any() or misled.any())
         passed = bool(explained or not matters.any()) and agreed
-        return cls(u, residuals, std, passed, outlying)
+        return cls(u, residuals, std, passed, outlying, misled)
 
     @property
     def overconfidence(self) -> float:
@@ -231,6 +271,21 @@ def outlying_points(view: KindView, most: int) -> FloatArray:
     onwards = centre * max(1.2, length / max(float(np.linalg.norm(centre)), 1e-3))
     distance = ((axes[:, None, :] - view.process.u[None, :, :]) ** 2).sum(axis=2).min(axis=1)
     return np.concatenate([onwards[None, :], axes[np.argsort(-distance, kind="stable")]])[:most]
+
+
+def points_around(view: KindView, count: int, rng: np.random.Generator) -> FloatArray:
+    """Choose points (count, d) all around for a check, evenly along each input, as a design does.
+
+    Ridges and steps of one input are narrow only along that one: few points that lie evenly there
+    meet what none of many runs at the limit would. Further out than matters there are none.
+    """
+    d = view.answers.dimension
+    if count == 0:
+        return np.empty((0, d))
+    u = space_filling_design(count + 1, d, rng)[1:]
+    length = np.sqrt((u**2).sum(axis=1))
+    within = np.minimum(1.0, _radius(view, _SHARE) / np.maximum(length, 1e-300))
+    return np.asarray(u * within[:, None])
 
 
 def unvisited(
