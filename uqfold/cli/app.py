@@ -45,7 +45,7 @@ Example:
 
 _PROBLEMS_HELP = """List the problems that methods can be compared on.
 
-Any other is given as FILE.py:FUNCTION.
+Any other is given as FILE.py:FUNCTION, or stated in FILE.toml.
 
 \b
 Example:

@@ -43,7 +43,10 @@ def benchmark_methods(
     ] = None,
     problem: Annotated[
         Words,
-        option("NAME", "Problem, or FILE.py:FUNCTION; may be repeated. Default: the catalogue."),
+        option(
+            "NAME",
+            "Problem, FILE.toml or FILE.py:FUNCTION; may be repeated. Default: the catalogue.",
+        ),
     ] = None,
     seeds: Annotated[int, option("N", "How many seeds, counted from zero.")] = 3,
     max_evals: Annotated[float, option("N", "Most evaluations for an answer.")] = 6_000,

@@ -46,6 +46,7 @@ and figures (PNG, SVG).
 Problems:
 {_LISTED}
   FILE.py:FUNCTION             what a function of your own returns
+  FILE.toml                    model, inputs and criteria in a file
   and {len(titles())} limit states of the literature, which "uqfold problems" lists
 
 \b
@@ -71,7 +72,7 @@ def compare_methods(
         str,
         typer.Argument(
             metavar="PROBLEM",
-            help="A name from above, or FILE.py:FUNCTION.",
+            help="A name from above, FILE.py:FUNCTION or FILE.toml.",
             autocompletion=lambda: list(_NAMED),
         ),
     ],

@@ -22,7 +22,8 @@ Examples:
 
 def serve_problem(
     problem: Annotated[
-        str, typer.Argument(metavar="PROBLEM", help="A named problem, or FILE.py:FUNCTION.")
+        str,
+        typer.Argument(metavar="PROBLEM", help="A named problem, FILE.py:FUNCTION or FILE.toml."),
     ],
     *,
     port: Annotated[int, option("N", "Where to listen.")] = 4242,

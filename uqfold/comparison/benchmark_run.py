@@ -77,8 +77,8 @@ def benchmark(
     methods
         As for `uqfold.compare`; None: every available method with its default settings.
     problems
-        Names (`uqfold.comparison.available_problems`, or ``FILE.py:FUNCTION``) or problems with
-        references; None: all limit states of the catalogue.
+        Names (`uqfold.comparison.available_problems`, ``FILE.py:FUNCTION``, ``FILE.toml``) or
+        problems with references; None: all limit states of the catalogue.
     seeds
         How many seeds, counted from zero, or the seeds themselves.
     max_evals
@@ -282,7 +282,7 @@ def _named_problems(problems: Problems) -> dict[str, Problem]:
 
 def _named_problem(problem: ProblemLike) -> tuple[str, Problem]:
     if isinstance(problem, str):
-        if ".py" not in problem:
+        if not problem.endswith(".toml") and ".py" not in problem:
             choice("problems", problem, available_problems())
         found = named_problem(problem)
         return found.name, found.problem()

@@ -72,19 +72,26 @@ def named_problem(name: str) -> NamedProblem:
     Parameters
     ----------
     name
-        A name, or ``file.py:function`` for a function without arguments that returns a problem;
-        a problem itself may also stand there.
+        A name; ``file.py:function`` for a function without arguments that returns a problem (a
+        problem itself may also stand there); or ``file.toml``, which states one.
 
     Raises
     ------
     ValueError
         If there is none (the message lists those that exist), the file fails while it is loaded,
-        or what it holds by that name cannot be called without arguments.
+        what it holds by that name cannot be called without arguments, or it states no problem.
+    OSError
+        If a file cannot be opened.
     """
     if is_of_a_file(name):
         file, _, own = name.rpartition(":")
         build = of_a_file(Path(file), own, "a uqfold.Problem", _is_problem)
         return NamedProblem(f"{Path(file).stem}-{own}", f"{own} of {file}", build, OWN_EVALS)
+    if isinstance(name, str) and name.endswith(".toml"):
+        from uqfold.comparison.problem_file import problem_of_a_file
+
+        stated = Path(name)
+        return NamedProblem(stated.stem, f"stated in {name}", problem_of_a_file(stated), OWN_EVALS)
     problems = available_problems()
     if isinstance(name, str) and name.endswith(".py"):
         raise ValueError(

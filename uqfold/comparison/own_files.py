@@ -43,12 +43,7 @@ def of_a_file(
 
     `returns` says in words what `is_right` checks.
     """
-    if not file.is_file():
-        raise ValueError(f"name = '{file}:{name}': there is no file {file}")
-    own = getattr(_loaded(file.resolve()), name, None)
-    if own is None:
-        raise ValueError(f"name = '{file}:{name}': {file} has no function {name!r}")
-
+    own = _own(file, name)
     wanted = f"{file}: {name} must be a function without arguments that returns {returns}"
 
     def build() -> Any:
@@ -67,6 +62,29 @@ def of_a_file(
         return built
 
     return build
+
+
+def value_of_a_file(name: str, folder: Path) -> Any:
+    """Return what a file holds by a name, ``file.py:function``; it is loaded, and not called.
+
+    Raises
+    ------
+    ValueError
+        If there is no such file or name, or the file fails while it is loaded.
+    """
+    if not is_of_a_file(name):
+        raise ValueError(f"name = {name!r}: give FILE.py:FUNCTION")
+    file, _, own = name.rpartition(":")
+    return _own(folder / file, own)
+
+
+def _own(file: Path, name: str) -> Any:
+    if not file.is_file():
+        raise ValueError(f"name = '{file}:{name}': there is no file {file}")
+    own = getattr(_loaded(file.resolve()), name, None)
+    if own is None:
+        raise ValueError(f"name = '{file}:{name}': {file} has no function {name!r}")
+    return own
 
 
 @cache

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from uqfold.checks import choice, real, refused, shown
 from uqfold.checks import names as checked_names
-from uqfold.checks import real, refused, shown
 from uqfold.inputs.convert import as_openturns
 from uqfold.inputs.door import checked_marginal
 from uqfold.inputs.engine import openturns
@@ -47,6 +48,43 @@ def normal_copula(marginals: Mapping[str, Any], correlation: FloatArray) -> Any:
     joint = ot.JointDistribution(parts, copula)
     joint.setDescription(list(marginals))
     return joint
+
+
+def correlated(
+    marginals: Mapping[str, Any], pairs: Mapping[tuple[str, str], tuple[str, float]]
+) -> Any:
+    """Return named marginals, joined by a normal copula where some of them are correlated.
+
+    Parameters
+    ----------
+    marginals
+        Name -> its distribution, in any form `as_openturns` takes.
+    pairs
+        Two names -> ``normal``, the correlation of the normal variables behind them, or
+        ``spearman``, that of their ranks; and its value.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a name is none of the inputs, a value is not between -1 and 1, or no distribution has
+        all these correlations.
+    """
+    if not pairs:
+        return dict(marginals)
+    names = list(marginals)
+    matrix = np.eye(len(names))
+    for pair, (kind, value) in pairs.items():
+        row, column = (names.index(choice("between", name, names)) for name in pair)
+        if row == column:
+            raise refused("between", pair, "give two different inputs")
+        given = real(kind, value, above=-1.0, below=1.0)
+        behind = given if kind == "normal" else 2.0 * math.sin(math.pi * given / 6.0)
+        matrix[row, column] = matrix[column, row] = behind
+    if np.linalg.eigvalsh(matrix)[0] <= 0.0:
+        raise ValueError(
+            "these correlations contradict each other: no distribution has all of them"
+        )
+    return normal_copula(marginals, matrix)
 
 
 def product_inputs(
