@@ -63,6 +63,18 @@ class TooFew(ReliabilityMethod):
         return Solution([])
 
 
+@dataclass(frozen=True)
+class FirstOrderSecondMoment(ReliabilityMethod):
+    def _solve(self, task: Task) -> Solution:
+        return Solution([A_QUARTER for _ in task.criteria])
+
+
+def test_a_method_is_named_after_its_class_unless_it_says_otherwise() -> None:
+    result = FirstOrderSecondMoment().estimate(SYSTEM.problem(), 1.0, rng=1)
+    assert result.method == FirstOrderSecondMoment.name == "first-order-second-moment"
+    assert Scripted.name == "scripted"
+
+
 def test_row_carries_cost_and_identity() -> None:
     result = Scripted(runs=7).estimate(SYSTEM.problem(), criteria([1.0, 2.0]), rng=12)
     assert result.details == "found"

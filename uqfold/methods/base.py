@@ -8,13 +8,14 @@ the runs: `estimate` calls the model, a session of `start` asks its caller for t
 from __future__ import annotations
 
 import math
+import re
 import time
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeVar, cast, final
 
 import numpy as np
 
@@ -149,17 +150,24 @@ class OpenRun:
     task: Task
 
 
+class _NameOfClass:
+    """The name of a method that sets none: that of its class, in lower case."""
+
+    def __get__(self, _: object, owner: type) -> str:
+        return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", owner.__name__).lower()
+
+
 @dataclass(frozen=True)
 class ReliabilityMethod(ABC):
     """A reliability method: settings, and the one verb `estimate`.
 
     A subclass is a frozen dataclass whose fields are its settings, all with defaults and checked
-    when built. It sets `name` and fills in `_solve`; where it cannot answer a criterion it says
-    so in `supports`. Nothing is kept between runs.
+    when built. It fills in `_solve`; where it cannot answer a criterion it says so in `supports`.
+    Nothing is kept between runs.
     """
 
-    name: ClassVar[str]
-    """Name in the registry, in tables and records."""
+    name: ClassVar[str] = cast(str, _NameOfClass())
+    """Name in the registry, in tables and records; unless set, ``first-order`` of `FirstOrder`."""
     title: ClassVar[str] = ""
     """A few words for tables and legends."""
     bounds_failed_runs: ClassVar[bool] = False

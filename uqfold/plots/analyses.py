@@ -166,7 +166,8 @@ def design(table: pd.DataFrame) -> Figure:
     matplotlib.figure.Figure
     """
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from uqfold.plots.shown import ShownFigure
 
     frame = checked("table", table, DESIGN_NEEDS)
     unit = response_of(frame)[1]
@@ -175,7 +176,7 @@ def design(table: pd.DataFrame) -> Figure:
     )
     rows = list(frame["row"].unique())
     size = (2.0 * COLUMN_INCHES, 0.8 + 0.36 * len(rows))
-    figure = Figure(figsize=size, layout="constrained")
+    figure = ShownFigure(figsize=size, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
     draw_rows(left, frame)
     ends = {"value": "pf", "low": "ci_low", "high": "ci_high"}

@@ -66,7 +66,7 @@ def comparison(frame: Comparable) -> Figure:
     TypeError, ValueError
         If `frame` is none of these, or holds no answer.
     """
-    from matplotlib.figure import Figure
+    from uqfold.plots.shown import ShownFigure
 
     answers = answers_of(frame)
     if answers["pf"].isna().all():
@@ -82,7 +82,7 @@ def comparison(frame: Comparable) -> Figure:
     height, draw = 2.4 + (0.5 * len(styles) if by else 0.6), drawing.curves
     if answers["threshold"].nunique() == 1:
         height, draw = 0.8 + 0.36 * len(styles), drawing.lines
-    figure = Figure(figsize=(WIDTH_INCHES, height * blocks + 0.6), layout="constrained")
+    figure = ShownFigure(figsize=(WIDTH_INCHES, height * blocks + 0.6), layout="constrained")
     parts = figure.subfigures(blocks, 1, squeeze=False)[:, 0]
     for part, beside in zip(parts, np.array_split(panels, blocks), strict=True):
         draw(part, list(beside))

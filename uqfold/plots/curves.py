@@ -92,8 +92,9 @@ def reliability_panels(
         If there is nothing to draw, or a difference is not of two problems.
     """
     import pandas as pd
-    from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
+
+    from uqfold.plots.shown import ShownFigure
 
     if not (quantities := several("quantities", quantities, choice, get_args(Quantity))):
         raise refused("quantities", quantities, "give one or more")
@@ -108,7 +109,7 @@ def reliability_panels(
     each, beside = distinct(rows, curves), distinct(rows, panels)
     heights = [PANELS[one][1] for one in quantities]
     width = COLUMN_INCHES if len(beside) == 1 else PANEL_INCHES * len(beside)
-    figure = Figure(figsize=(width, sum(heights) + 0.55), layout="constrained")
+    figure = ShownFigure(figsize=(width, sum(heights) + 0.55), layout="constrained")
     grid = figure.subplots(
         len(heights), len(beside), squeeze=False, sharex=True, sharey="row", height_ratios=heights
     )

@@ -55,12 +55,14 @@ def one_legend(figure: Figure) -> None:
 def axes_or_new(ax: Axes | None, width: float = COLUMN_INCHES, height: float = 2.6) -> Axes:
     """Return the axes, or those of a new figure, by default as wide as a column of print."""
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from uqfold.plots.shown import ShownAxes, ShownFigure
 
     if ax is not None:
         checked: Axes = instance("ax", ax, Axes, "give Axes of matplotlib")
         return checked
-    return Figure(figsize=(width, height), layout="constrained").subplots()
+    figure = ShownFigure(figsize=(width, height), layout="constrained")
+    return figure.add_subplot(axes_class=ShownAxes)
 
 
 def key(label: str, **look: Any) -> Any:

@@ -62,7 +62,7 @@ def save(
             if one == "svg":
                 stream.write(svg_text(drawn).encode())
             else:
-                _save(drawn, stream, one)
+                write(drawn, stream, one)
         written.append(file)
     return written
 
@@ -78,7 +78,7 @@ def figure_of(figure: object) -> Any:
 def svg_text(figure: Figure) -> str:
     """Return a figure as the text of an SVG file."""
     stream = io.BytesIO()
-    _save(figure, stream, "svg")
+    write(figure, stream, "svg")
     text = stream.getvalue().decode()
     # matplotlib names what is referred to by places that differ in their last digits
     names = dict.fromkeys(re.findall(r'id="([a-z][0-9a-f]{10})"', text))
@@ -87,7 +87,8 @@ def svg_text(figure: Figure) -> str:
     return text
 
 
-def _save(figure: Figure, stream: Any, format: str) -> None:
+def write(figure: Figure, stream: Any, format: str) -> None:
+    """Write a figure into a stream, without a date; a PNG has 256 colours."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with figure_settings():
         if format != "png":
