@@ -91,10 +91,7 @@ class Estimate:
     @property
     def stated_error(self) -> float:
         """The standard error; where it is zero or missing, what the interval stands for; or NaN."""
-        by_interval = (self.ci_high - self.ci_low) / (2.0 * NORMAL_95)
-        if self.std_error > 0.0 or not math.isfinite(by_interval):
-            return self.std_error
-        return by_interval
+        return stated_error(self)
 
 
 @dataclass(frozen=True)
@@ -138,6 +135,14 @@ class CriterionResult:
     seconds: float
     method: str
     seed: int
+
+
+def stated_error(row: Estimate | CriterionResult) -> float:
+    """Return its standard error; where it is zero or missing, what the interval stands for."""
+    by_interval = (row.ci_high - row.ci_low) / (2.0 * NORMAL_95)
+    if row.std_error > 0.0 or not math.isfinite(by_interval):
+        return row.std_error
+    return by_interval
 
 
 @dataclass(frozen=True, repr=False)
@@ -234,6 +239,49 @@ class ReliabilityResult(Tabular[CriterionResult]):
         found: xarray.Dataset = grid.drop(columns=left_out, errors="ignore").to_xarray()
         rest = [name for name in ("tau", "missions") if name not in over]
         return found.assign_attrs({name: frame[name].iloc[0] for name in (*shared, *rest)})
+
+    def to_openturns(self, event: Any = None) -> list[Any]:
+        """Return an ``openturns.ProbabilitySimulationResult`` for each row.
+
+        It holds pf, the square of its standard error (where that is zero or missing, what the
+        interval stands for), the runs spent on the row as blocks of one, the time of the whole
+        estimate, and as its name what the row says of itself: method, status and message.
+        Intervals that OpenTURNS derives from it are normal ones, not those of the method.
+
+        Parameters
+        ----------
+        event
+            The OpenTURNS event that the problem was made of (`Problem.from_openturns`), which the
+            results then carry; None: they carry none.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is no event, or a row has no answer or no standard error of sampling.
+
+        Examples
+        --------
+        >>> from uqfold.methods import MonteCarlo
+        >>> from uqfold.problems import series
+        >>> result = MonteCarlo(systems=1_000).estimate(series(), 2.0, rng=1)
+        >>> (made,) = result.to_openturns()
+        >>> made.getProbabilityEstimate() == result[0].pf, made.getOuterSampling()
+        (True, 4000)
+        """
+        from uqfold.inputs.simulation_result import checked_event, simulation_result
+
+        checked = checked_event(event)
+        made = []
+        for i, row in enumerate(self.rows):
+            error = stated_error(row)
+            if row.error_kind != "sampling" or math.isnan(row.pf) or math.isnan(error):
+                said = f"{row.status}, error_kind = {row.error_kind!r}"
+                remedy = "only answers of simulations with an error have such a result"
+                raise ValueError(f"row {i} of {row.method} ({said}): {remedy}")
+            name = f"{row.method}: {row.status}{': ' if row.message else ''}{row.message}"
+            numbers = (row.pf, error, row.n_evals_row, row.seconds)
+            made.append(simulation_result(checked, *numbers, name))
+        return made
 
     def to_records(self) -> list[dict[str, Any]]:
         """One dictionary per row, in the columns of `CriterionResult`."""
