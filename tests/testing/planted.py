@@ -514,6 +514,7 @@ PLANTED: list[tuple[type[ReliabilityMethod], str]] = [
     (ForgetsTau, "synchronization"),
     (ForgetsStructure, "structures"),
     (Biased, "plain_limit_state"),
+    (Biased, "discrete_inputs"),
     (Biased, "scale_and_shift"),
     (Biased, "order_of_inputs_does_not_matter"),
     (TakesInputsForStandard, "units_of_inputs_do_not_matter"),

@@ -61,6 +61,8 @@ class EvaluationSession:
         The budget, or None.
     failed_runs, progress, watch
         As for `Evaluator`.
+    lift
+        Makes rows for the model of those that are asked for, or None: these are all there is.
     slopes
         Of each kind of units, the gradient of its model, or None.
     n_evals
@@ -84,6 +86,7 @@ class EvaluationSession:
     failed_runs: FailedRunPolicy = "bound"
     progress: ProgressCallback | None = None
     watch: Callable[[RunningEstimate], None] | None = None
+    lift: Callable[[FloatArray], FloatArray] | None = None
     slopes: tuple[Model | None, ...] = ()
     n_evals: int = 0
     n_reused: int = 0
@@ -208,7 +211,7 @@ class EvaluationSession:
                 f"{x.shape[0]} more runs asked for, but only {self.remaining} of "
                 f"max_evals = {self.max_evals} are left"
             )
-        return x
+        return x if self.lift is None else self.lift(x)
 
     def check_time(self) -> None:
         """Raise if the wall-clock limit is over: for work between and after evaluations.

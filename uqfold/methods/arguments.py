@@ -53,8 +53,9 @@ def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
 
 def without_gauss_rules(problem: Problem) -> str | None:
     """Return why integration by the rules of the inputs is impossible, or None."""
-    if steps := problem.kinds.with_atoms:
-        return f"there is no Gauss rule for {steps[0]}, which takes single values"
+    for name in problem.kinds.with_atoms:
+        if name not in problem.kinds.with_steps:
+            return f"there is no Gauss rule for {name}, which is not continuous"
     return None
 
 

@@ -99,6 +99,7 @@ class Automatic(ReliabilityMethod):
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"
     adaptive: ClassVar[bool] = True
+    most_values: ClassVar[int] = 4
 
     target_cov: float = 0.05
     check_runs: int = 2_000

@@ -133,7 +133,7 @@ class Course:
         with self.task.session.share(most) as session:
             seed = int(self.task.generator(len(self.attempts)).integers(2**63))
             own = replace(self.task, problem=problem, criteria=criteria, session=session, seed=seed)
-            solution = method._guarded(own, lambda: method._solve(own))
+            solution = method._guarded(own, lambda: method._solution(own))
             estimates = [method._checked(one, session) for one in solution.estimates]
             made = session.n_evals
         attempt = MethodTried(method, purpose, criteria, tuple(estimates), made)

@@ -50,8 +50,10 @@ from uqfold.methods.result import (
 )
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
 from uqfold.methods.theory import Theory
+from uqfold.methods.value_by_value import value_by_value
 from uqfold.problems.base import WITHOUT_MODEL, Problem, run_elsewhere
 from uqfold.problems.criterion import Criteria, Criterion
+from uqfold.problems.held_values import HeldValues, held_values
 from uqfold.problems.structure import Series
 from uqfold.system.structure import SystemUnits
 from uqfold.time_limit import time_checked_by
@@ -177,7 +179,10 @@ class ReliabilityMethod(ABC):
     units_may_differ: ClassVar[UnitsMayDiffer] = "never"
     """Whether units that differ are answered: by their offsets alone, or in every way."""
     inputs_may_step: ClassVar[bool] = False
-    """Whether discrete inputs are answered, over which the response has steps."""
+    """Whether discrete inputs are answered as they are, although the response has steps then."""
+    most_values: ClassVar[int] = 50
+    """If not, values of discrete inputs at most for which answers are summed up: shared ones, and
+    all of a single unit over a single mission."""
     adaptive: ClassVar[bool] = False
     """Whether what it has seen decides where it runs the model next. Rounding then decides between
     places that promise the same, so that another machine may take another sample."""
@@ -214,8 +219,8 @@ class ReliabilityMethod(ABC):
             return f"{self.name} needs a series structure, not {structure}"
         if criterion.tau is not None and not isinstance(structure, Series):
             return f"tau compares all units of a mission: it needs Series(), not {structure}"
-        if kinds.with_steps and not self.inputs_may_step:
-            return f"{self.name} needs continuous inputs, and {kinds.with_steps[0]} is discrete"
+        if isinstance(held := self._held(problem, [criterion]), str):
+            return f"{self.name} needs continuous inputs, and {held}"
         try:
             SystemUnits.of(problem)
         except ValueError as error:
@@ -270,7 +275,7 @@ class ReliabilityMethod(ABC):
         started = time.perf_counter()
         settings = checked_evaluator(evaluator)
         run = self._opened(problem, criteria, max_evals, rng, settings)
-        solution = self._guarded(run.task, lambda: self._solve(run.task))
+        solution = self._guarded(run.task, lambda: self._solution(run.task))
         return self._finished(run, solution, time.perf_counter() - started)
 
     @final
@@ -301,7 +306,7 @@ class ReliabilityMethod(ABC):
             elsewhere,
             task.session,
             session_file.header(self, problem, run.asked, task.seed, task.session),
-            lambda: self._guarded(task, lambda: self._solve(task)),
+            lambda: self._guarded(task, lambda: self._solution(task)),
             lambda solution, seconds: self._finished(run, solution, seconds),
         )
 
@@ -401,6 +406,20 @@ class ReliabilityMethod(ABC):
             problem.system_digest,
             session.n_gradients,
         )
+
+    def _held(self, problem: Problem, criteria: Sequence[Criterion]) -> HeldValues | str | None:
+        """Return values of discrete inputs to be held, why not, or None: nothing is to be held."""
+        if self.inputs_may_step or not problem.kinds.with_steps:
+            return None
+        return held_values(problem, criteria, self.most_values)
+
+    @final
+    def _solution(self, task: Task) -> Solution:
+        """Answer the criteria of `task`: for each value of discrete inputs, if need be."""
+        held = self._held(task.problem, task.criteria)
+        if not isinstance(held, HeldValues):
+            return self._solve(task)
+        return Solution(*value_by_value(self, task, held))
 
     def _guarded(self, task: Task, solve: Callable[[], Solution]) -> Solution:
         """Run the hook; whatever it raises becomes the status of every criterion."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from uqfold.inputs import normal
+from uqfold.inputs import bernoulli, normal
 from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.result import NO_ANSWER, CriterionResult
 from uqfold.problems.base import Problem
@@ -122,6 +122,31 @@ def check_plain_limit_state(method: ReliabilityMethod, settings: Settings) -> No
     result = method.estimate(problem, max_evals=settings.max_evals, rng=22)
     exact, what = 0.022750131948179195, "limit state with beta = 2"
     judge(method, result.criteria[0], result[0], exact, settings, what)
+
+
+def check_discrete_inputs(method: ReliabilityMethod, settings: Settings) -> None:
+    """A shared or an individual input of two values: an exact answer, or why not before any run."""
+
+    def response(x: FloatArray) -> FloatArray:
+        return 2.0 * x[:, 0] + x[:, 1]
+
+    def partner(x: FloatArray) -> FloatArray:
+        return 1.9 * x[:, 0] + x[:, 1]
+
+    rare, load = {"rare": bernoulli(0.2)}, {"load": normal(0.0, 1.0)}
+    q = [0.5 * math.erfc((2.5 - two) / math.sqrt(2.0)) for two in (0.0, 2.0)]
+    given = 0.8 * (1.0 - q[0]) ** 2 + 0.2 * (1.0 - q[1]) ** 2
+    anew = (0.8 * (1.0 - q[0]) + 0.2 * (1.0 - q[1])) ** 2
+    shared = Problem(response, shared=rare, individual=load, units=2, low_fidelity=partner)
+    own = Problem(response, individual=rare | load, units=2, low_fidelity=partner)
+    criterion = Criterion(2.5)
+    for problem, works, what in ((shared, given, "shared"), (own, anew, "individual")):
+        row = method.estimate(problem, criterion, max_evals=settings.max_evals, rng=23)[0]
+        if method.supports(problem, criterion) is None:
+            judge(method, criterion, row, 1.0 - works, settings, f"{what} input of two values")
+            continue
+        refused = row.status == "unsupported" and row.n_evals == 0
+        demand(refused, f"{shown(method, criterion, row, what)} after {row.n_evals} runs")
 
 
 def answers_by_surrogate(method: ReliabilityMethod) -> bool:
