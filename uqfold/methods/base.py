@@ -419,7 +419,14 @@ class ReliabilityMethod(ABC):
         held = self._held(task.problem, task.criteria)
         if not isinstance(held, HeldValues):
             return self._solve(task)
-        return Solution(*value_by_value(self, task, held))
+
+        def solve(row: int, problem: Problem, session: EvaluationSession) -> tuple[Any, Any]:
+            seed = int(task.generator(row).integers(2**63))
+            own = replace(task, problem=problem, session=session, seed=seed)
+            solution = self._guarded(own, lambda: self._solve(own))
+            return solution.estimates, solution.details
+
+        return Solution(*value_by_value(task.problem, held, task.session, solve))
 
     def _guarded(self, task: Task, solve: Callable[[], Solution]) -> Solution:
         """Run the hook; whatever it raises becomes the status of every criterion."""

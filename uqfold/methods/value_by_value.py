@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from uqfold.evaluation import EvaluationSession
 from uqfold.methods.result import (
     NO_ANSWER,
     NORMAL_95,
@@ -16,10 +16,8 @@ from uqfold.methods.result import (
     Estimate,
     Status,
 )
+from uqfold.problems.base import Problem
 from uqfold.problems.held_values import HeldModel, HeldValues, with_values
-
-if TYPE_CHECKING:
-    from uqfold.methods.base import ReliabilityMethod, Task
 
 NEGLIGIBLE = 0.01
 """Share of the smaller of pf and reliability that may hang on a value whose answer is in doubt, or
@@ -46,30 +44,41 @@ class ValueByValueDetails:
 
 
 def value_by_value(
-    method: ReliabilityMethod, task: Task, held: HeldValues
+    problem: Problem,
+    held: HeldValues,
+    session: EvaluationSession,
+    solve: Callable[[int, Problem, EvaluationSession], tuple[Sequence[Estimate], Any]],
 ) -> tuple[list[Estimate], ValueByValueDetails]:
-    """Let a method answer the problem for each value of its discrete inputs, and sum up.
+    """Answer a problem for each value of its discrete inputs, and sum up.
 
     What is left of the budget is split into equal shares for the values that are left.
+
+    Parameters
+    ----------
+    problem, held
+        The problem, and the values.
+    session
+        Counted access to its model.
+    solve
+        Answers the criteria for one value: takes its number, the problem of the other inputs and
+        access to its model, returns the answers and details.
     """
-    session, told, details = task.session, [], []
+    told: list[tuple[Estimate, ...]] = []
+    details = []
     count = len(held.probabilities)
     for row in range(count):
-        sub = with_values(task.problem, held, row)
+        sub = with_values(problem, held, row)
         with session.share(session.remaining // (count - row)) as part:
             if session.max_evals is None:
                 part.max_evals = None
             assert isinstance(sub.model, HeldModel)
             part.dimension, part.lift = sub.inputs.dimension, sub.model.place.rows
             part.slopes = sub.kinds.gradients
-            seed = int(task.generator(row).integers(2**63))
-            own = replace(task, problem=sub, session=part, seed=seed)
-            solution = method._guarded(own, partial(method._solve, own))
-            told.append(tuple(_own(one, part.n_failed) for one in solution.estimates))
-        details.append(solution.details)
-    rows = range(len(task.criteria))
-    estimates = [_summed(held, [one[i] for one in told]) for i in rows]
-    return estimates, ValueByValueDetails(held, tuple(told), tuple(details))
+            estimates, found = solve(row, sub, part)
+            told.append(tuple(_own(one, part.n_failed) for one in estimates))
+        details.append(found)
+    sums = [_summed(held, answers) for answers in zip(*told, strict=True)]
+    return sums, ValueByValueDetails(held, tuple(told), tuple(details))
 
 
 def _own(estimate: Estimate, n_failed: int) -> Estimate:
