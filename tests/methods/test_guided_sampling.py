@@ -8,6 +8,7 @@ import pytest
 from scipy.special import ndtr
 
 import uqfold
+from uqfold.inputs import normal
 from uqfold.methods.automatic_check import SurfaceModel
 from uqfold.methods.guided_sampling import GuidedSampling
 from uqfold.surrogates.gaussian_process import fit_gaussian_process
@@ -62,6 +63,36 @@ def test_a_region_that_the_partner_does_not_know_is_seen_or_doubted() -> None:
         row = GuidedSampling().estimate(problem, CRITERIA, max_evals=3_000, rng=seed)[0]
         known = row.status == "converged" and row.pf == pytest.approx(2.0 * TRUE, rel=0.2)
         assert row.status in ("doubtful", "failed") or known
+
+
+def test_a_climb_on_the_model_finds_what_the_partner_does_not_know() -> None:
+    """Most failures lie in a ball that is nearer than the plane, where no sample of it comes."""
+
+    def or_ball(x: FloatArray) -> FloatArray:
+        away = np.linalg.norm(x - np.array([-2.5, 0.0, 0.0]), axis=1)
+        return np.asarray(np.maximum(x[:, 0] - 3.5, 0.5 - away))
+
+    def or_far(x: FloatArray) -> FloatArray:
+        return np.asarray(np.maximum(x[:, 0] - 3.5, x[:, 1] - 4.0))
+
+    inputs = {f"u{i}": normal(0.0, 1.0) for i in range(3)}
+    known = uqfold.Problem(lambda x: x[:, 0] - 3.5, individual=inputs)
+    asked = uqfold.criteria(0.0)
+    ball = replace(known, model=or_ball, low_fidelity=known.model)
+    row = GuidedSampling().estimate(ball, asked, max_evals=4_000, rng=0)[0]
+    assert row.status == "failed"
+    assert "failures elsewhere" in row.message
+    # an eighth of them is no reason to give up, and is sampled with the others
+    far = replace(known, model=or_far, low_fidelity=known.model)
+    row = GuidedSampling().estimate(far, asked, max_evals=20_000, rng=0)[0]
+    exact = -np.expm1(np.log1p(-ndtr(-3.5)) + np.log1p(-ndtr(-4.0)))
+    assert row.status == "converged"
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.3 * exact
+    # too few runs to look
+    plain = replace(known, low_fidelity=known.model)
+    row = GuidedSampling().estimate(plain, asked, max_evals=700, rng=0)[0]
+    assert row.status == "doubtful"
+    assert "too few" in row.message
 
 
 @dataclass(frozen=True)

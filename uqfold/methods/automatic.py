@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -39,8 +40,9 @@ FREQUENT, ENOUGH_FAILURES = 50.0, 150.0
 criteria, or directions, and of few."""
 MOST_DIRECTIONS, MOST_ALONE = 4, 3
 """Units times missions, and criteria, up to which importance sampling is the sampler."""
-MANY_INPUTS, PART_OF_LINES = 20, 3
-"""With more inputs lines are tried, and then rays, each by one part in so many of what is left."""
+MANY_INPUTS, PART_OF_LINES = 10, 3
+"""With more inputs lines are tried before a surface guides, and rays after it, each by one part in
+so many of what is left."""
 SEEN_FAILURES = 20.0
 """Failures that a check of whole systems is expected to see, or it is not made."""
 
@@ -132,9 +134,13 @@ class Automatic(ReliabilityMethod):
             answered = [i for i in everything if course.status(i) == "converged"]
             unseen = self._check(course, answered, partner)
             rest = [
-                i for i in everything if i not in answered or i in unseen or course.contradicted(i)
+                i
+                for i in everything
+                if i not in answered or i in unseen or course.contradicted(i)
+                # no other method sees infinite responses where the runs of the surface have not
+                if math.isfinite(task.criteria[i].threshold) or 0.0 < course.pf(i) < 1.0
             ]
-            rest = self._along_lines(course, self._helped(course, rest, partner))
+            rest = self._along_lines(course, self._helped(course, rest, partner), partner)
             if rest and session.remaining >= FEWEST_OF_SIMULATION:
                 course.ask(self._simulation(task, rest), rest, session.remaining, "answer")
             nothing = 0 < session.n_failed == session.n_evals
@@ -196,25 +202,32 @@ class Automatic(ReliabilityMethod):
             helped = MultifidelityMonteCarlo(target_cov=self.target_cov)
             course.ask(helped, frequent, session.remaining, "answer", partner)
             rest = [i for i in rest if course.status(i) != "converged"]
-        elif few and rest and session.remaining >= FEWEST_GUIDED:
-            guided = GuidedSampling(target_cov=self.target_cov)
-            course.ask(guided, rest, session.remaining, "answer", partner)
-            rest = [i for i in rest if course.status(i) != "converged"]
+        elif not _many(task):
+            rest = self._guided(course, rest, partner)
         return rest
 
-    def _along_lines(self, course: Course, rest: list[int]) -> list[int]:
+    def _guided(self, course: Course, rest: list[int], partner: Problem | None) -> list[int]:
+        """Sample rows where a surface says that they fail; return those that are still open."""
+        left = course.task.session.remaining
+        if partner is None or not rest or not _few(course.task, rest) or left < FEWEST_GUIDED:
+            return rest
+        course.ask(GuidedSampling(target_cov=self.target_cov), rest, left, "answer", partner)
+        return [i for i in rest if course.status(i) != "converged"]
+
+    def _along_lines(self, course: Course, rest: list[int], partner: Problem | None) -> list[int]:
         """Answer rows of many inputs along lines or rays; return those that are still open.
 
         A direction, or all of them alike, may be all that matters: what a density of many
         variables is fitted to with much effort, lines find with a few hundred runs, or not at all.
         """
         task, session = course.task, course.task.session
-        if task.problem.kinds.dimension <= MANY_INPUTS or not _few(task, rest):
+        if not _many(task) or not _few(task, rest):
             return rest
-        for method in (
-            LineSampling(target_cov=self.target_cov),
-            DirectionalSampling(target_cov=self.target_cov),
-        ):
+        lines = LineSampling(target_cov=self.target_cov)
+        rays = DirectionalSampling(target_cov=self.target_cov)
+        for method in (lines, rays):
+            if method is rays:
+                rest = self._guided(course, rest, partner)
             if rest and session.remaining >= FEWEST_OF_SIMULATION:
                 course.ask(method, rest, session.remaining // PART_OF_LINES, "answer")
                 rest = [i for i in rest if course.status(i) != "converged"]
@@ -225,6 +238,10 @@ class Automatic(ReliabilityMethod):
         if _few(task, rows):
             return ImportanceSampling(target_cov=self.target_cov)
         return SubsetSimulation(target_cov=self.target_cov)
+
+
+def _many(task: Task) -> bool:
+    return task.problem.kinds.dimension > MANY_INPUTS
 
 
 def _few(task: Task, rows: Sequence[int]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ import numpy as np
 
 from uqfold.checks import flag, keep, real
 from uqfold.evaluation import BudgetExceededError, Evaluator, TimeLimitError
+from uqfold.methods.guided_look import MOST_SEEN, UNKNOWN, all_around, beside, share_lost
 from uqfold.methods.guided_sums import PATIENCE, GuidedSums
 from uqfold.methods.importance_search import ImportanceSearch
 from uqfold.methods.partner_sample import without_partner
@@ -20,7 +20,7 @@ from uqfold.methods.result import Estimate
 from uqfold.methods.subset_climb import piloted
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
-from uqfold.typing import BoolArray, FloatArray, Model
+from uqfold.typing import FloatArray, Model
 
 PARTNER_RUNS = 40_000
 """Runs of the partner that lead to its failures, and as many again for their number."""
@@ -36,10 +36,8 @@ LESSONS, LESSON, PART_OF_LESSON = 3, 100, 8
 runs that are left at most."""
 KNOWN = 0.05
 """A partner that is wrong about no more than this share of the failures learns no more."""
-LOOK, MOST_SEEN, RARE, UNKNOWN = 2, 10, 30.0, 0.25
-"""With up to so many variables a lesson has half as many runs again elsewhere, as far out. Where
-more than this share of the failures there is so many times rarer among the samples than usual, the
-partner leads to a part of the failures only."""
+LOOK = 2
+"""With up to `MOST_SEEN` variables a lesson has half as many runs again elsewhere, as far out."""
 GOOD_GUIDE = 0.5
 """Where it is wrong about more than this share, the density is fitted to failures of the model."""
 
@@ -144,6 +142,11 @@ class GuidedSampling(RareEventMethod):
             yield from search.refine()
             if note := self._useless(search):
                 return [Estimate.without_answer("failed", note)], None
+        doubts: list[str] = []
+        if self.refined and search.mixture is not None:
+            note, doubts = yield from beside(search)
+            if note:
+                return [Estimate.without_answer("failed", f"the partner: {note}")], None
         sums = GuidedSums()
         guide = replace(search, asked=replace(by_partner, most=session.n_evals + PARTNER_RUNS))
         while not sums.partner_precise(self._aim) and guide.affordable:
@@ -155,7 +158,7 @@ class GuidedSampling(RareEventMethod):
         by_partner = replace(by_partner, most=sys.maxsize)
         short = yield from self._summed(search, by_partner, sums, session.evaluate)
         overlooked = search.overlooked(sums.largest)
-        return [sums.estimate(overlooked, short)], GuidedDetails(
+        return [sums.estimate(overlooked, doubts, short)], GuidedDetails(
             criterion=asked.criteria[0],
             partner_evals=session.n_evals,
             partner_pf=sums.partner_pf,
@@ -182,14 +185,14 @@ class GuidedSampling(RareEventMethod):
                 break
             drawn = guide.mixture.draw(size, guide.rng)
             if asked.event.dimension <= MOST_SEEN:
-                drawn = np.concatenate([drawn, _all_around(drawn, size // LOOK, guide.rng)])
+                drawn = np.concatenate([drawn, all_around(drawn, size // LOOK, guide.rng)])
             u = drawn[:, : asked.event.dimension]
             known = driven(guide.asked.heights(u), guide.asked.session.evaluate)[1]
             x = asked.event.rows(u)
             y = yield x
             fails = asked.fail(asked.event.bounds_of(u, y)[1])[0]
             wrong = np.count_nonzero(fails != asked.fail(known)[0])
-            unknown = _lost(guide.mixture.log_ratio(drawn), fails, size) > UNKNOWN
+            unknown = share_lost(guide.mixture.log_ratio(drawn), fails, size) > UNKNOWN
             hits = np.count_nonzero(fails)
             good = bool(wrong <= GOOD_GUIDE * hits)
             note = "it knows nothing of failures elsewhere" if unknown else ""
@@ -246,32 +249,6 @@ class GuidedSampling(RareEventMethod):
         if sums.n == 0:
             raise BudgetExceededError("no runs are left for samples")
         return []
-
-
-def _all_around(u: FloatArray, size: int, rng: np.random.Generator) -> FloatArray:
-    """Return points (size, d) in all directions, as far out as some of the points u (n, d)."""
-    directions = rng.standard_normal((size, u.shape[1]))
-    far = np.linalg.norm(u[rng.integers(len(u), size=size)], axis=1)
-    directions *= (far / np.linalg.norm(directions, axis=1))[:, None]
-    return directions
-
-
-def _lost(log_ratio: FloatArray, fails: BoolArray, size: int) -> float:
-    """Return the share of failures all around that lie where hardly a sample of the density does.
-
-    Parameters
-    ----------
-    log_ratio
-        Logarithm of the density (n,) over that of the inputs.
-    fails
-        Which points (n,) fail.
-    size
-        How many of them, the first ones, come from the density.
-    """
-    usual, around = log_ratio[:size][fails[:size]], log_ratio[size:][fails[size:]]
-    if not usual.size or not around.size:
-        return float(around.size > 0)
-    return float(np.mean(around < np.median(usual) - math.log(RARE)))
 
 
 def _guide(

@@ -126,13 +126,15 @@ class GuidedSums:
         wide = self.std_error / (target * self.pf) if self.pf > 0.0 else math.inf
         return wide**2 * self.n > PATIENCE * (self.n + left)
 
-    def estimate(self, overlooked: float, short: list[str]) -> Estimate:
+    def estimate(self, overlooked: float, doubts: list[str], short: list[str]) -> Estimate:
         """Return the answer.
 
         Parameters
         ----------
         overlooked
-            Share of the partner's failures where samples are too rare.
+            Share of the failures known before where samples are too rare.
+        doubts
+            What is doubtful for other reasons.
         short
             Why there are fewer samples than wanted; may be empty.
         """
@@ -149,12 +151,12 @@ class GuidedSums:
                 message="; ".join([f"no failure among {n} samples", *short]),
             )
         status: Status = "budget_exhausted" if short else "converged"
-        doubts = []
+        doubts = list(doubts)
         if self.heaviest > HEAVY:
             doubts.append(f"one sample makes {100.0 * self.heaviest:.0f} % of pf")
         if overlooked > OVERLOOKED:
             doubts.append(
-                f"{100.0 * overlooked:.0f} % of the partner's failures lie where samples are rare"
+                f"{100.0 * overlooked:.0f} % of known failures lie where samples are rare"
             )
         pf, squares = self.pf, (n * self.std_error) ** 2
         low, high = weighted_count(n * pf, squares, self._heaviest_judged)

@@ -15,8 +15,8 @@ from uqfold.typing import BoolArray, FloatArray
 
 CLIMBS, FEWEST_CLIMBS = 8, 2
 """Independent climbs that find failures to begin with: most and fewest."""
-PART_OF_CLIMBS, SMALLEST_CLIMB = 2, 100
-"""They take one part in so many of the budget; least samples of one at each level."""
+OF_CLIMBS, SMALLEST_CLIMB = 0.6, 100
+"""They take so much of the budget; least samples of one at each level."""
 ENOUGH = 600
 """Samples of all climbs at each level, for each of the levels: more are of little use."""
 ROUNDS, PART_OF_ROUND, SMALLEST_ROUND, LARGEST_ROUND = 6, 40, 200, 2_000
@@ -38,8 +38,9 @@ CHAINS, CHAIN, PART_OF_CHAINS = 20, 20, 5
 of the runs that are left."""
 FEWEST_LOST = 10
 """With fewer of them in a round, those of the climbs are kept to."""
-WANDERING = 3.0
-"""How far it wanders, measured: see `ImportanceSearch.unseen`."""
+WANDERING = 4.5
+"""Seeds in a region, for each level, with which it is lost once in twenty times: half of log 20
+times the variance of a seed's offspring, which is about 3. See `part_unseen`."""
 ELSEWHERE = 0.15
 """Share of the samples that do not follow the failures found."""
 
@@ -135,7 +136,7 @@ class ImportanceSearch:
         """
         limit = replace(pilot.levels[-1], height=float(self.asked.limits[0]))
         rungs = (*pilot.levels, limit)
-        samples = self.affordable // (PART_OF_CLIMBS * (len(rungs) + 1))
+        samples = int(OF_CLIMBS * self.affordable / (len(rungs) + 1))
         number = min(max(samples // SMALLEST_CLIMB, FEWEST_CLIMBS), CLIMBS)
         size = max(min(samples, ENOUGH * len(rungs)) // number, SMALLEST_CLIMB)
         size = min(size, max(1, self.most_at_once // number))
@@ -150,7 +151,7 @@ class ImportanceSearch:
         )
         top = made.kept[-1]
         rows = len(top.u)
-        u = top.u if top.u.shape[1] > 1 else self._with_a_second(top.u)
+        u = self.with_two(top.u)
         arrived = np.bincount(top.climb, minlength=number) > 0
         # no climb is in both halves, unless hardly one has arrived
         second = np.cumsum(arrived)[top.climb] % 2 == 0
@@ -166,15 +167,21 @@ class ImportanceSearch:
         self._cover(np.empty((0, u.shape[1])), np.empty(0))
         return ""
 
-    def _with_a_second(self, u: FloatArray) -> FloatArray:
-        return np.hstack([u, self.rng.standard_normal((len(u), 1))])
+    def with_two(self, u: FloatArray) -> FloatArray:
+        """Return points (n, d) with a second variable if they have a single one."""
+        return u if u.shape[1] > 1 else np.hstack([u, self.rng.standard_normal((len(u), 1))])
+
+    def follow(self, u: FloatArray) -> None:
+        """Take failures (n, d) for the known ones, and let none of them be lost."""
+        self.witnesses = self.with_two(u), np.full(len(u), 1.0 / len(u))
+        self._cover(np.empty((0, self.witnesses[0].shape[1])), np.empty(0))
 
     def _lead_apart(self, top: Population, limit: Rung) -> Running[None]:
         """Lead those known failures apart that are lost: they may descend from a single sample."""
         if self.witnesses is None:
             return
         u, shares = self.witnesses
-        lost = self._lost(u)
+        lost = self.lost(u)
         # at most so many: with a random number of missions these may be few
         most = self.asked.left // self.asked.event.max_evals_per_sample // PART_OF_CHAINS
         if not lost.any() or most < CHAINS:
@@ -184,7 +191,7 @@ class ImportanceSearch:
         moved = yield from along(self.asked, top, places, limit, states, self.rng)
         if not len(moved):
             return
-        moved = moved if moved.shape[1] > 1 else self._with_a_second(moved)
+        moved = self.with_two(moved)
         part = float(shares[lost].sum())
         self.witnesses = (
             np.concatenate([u[~lost], moved]),
@@ -193,12 +200,8 @@ class ImportanceSearch:
 
     @property
     def unseen(self) -> float:
-        """Largest part of all failures that the climbs may have missed in a region of its own.
-
-        The part of such a region in the samples wanders from level to level, as chance and the
-        chains have it, until none is left.
-        """
-        return WANDERING * self.levels / max(self.seeds, 1)
+        """Largest part of all failures that the climbs may have missed in a region of its own."""
+        return part_unseen(self.levels, self.seeds)
 
     def overlooked(self, largest: float) -> float:
         """Return the share of failures known from the climbs where samples are too rare.
@@ -235,8 +238,8 @@ class ImportanceSearch:
         reaching = fitted.joined(replace(fitted, shape=fitted.shape / SPREAD_OUT), FAR_OUT)
         self.mixture = reaching.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)
 
-    def _lost(self, u: FloatArray) -> BoolArray:
-        """Whether known failures (n, d) are rare among the samples."""
+    def lost(self, u: FloatArray) -> BoolArray:
+        """Whether failures (n, d) are rare among the samples, against those that are known."""
         if self.mixture is None or self.witnesses is None or not len(u):
             return np.zeros(len(u), dtype=np.bool_)
         usual = np.quantile(-self.mixture.log_ratio(self.witnesses[0]), 0.1)
@@ -249,11 +252,29 @@ class ImportanceSearch:
         """
         if self.mixture is None or self.witnesses is None:
             return
-        lost = self._lost(u)
+        lost = self.lost(u)
         u, weights = u[lost], weights[lost]
         if len(u) < FEWEST_LOST:
-            u = self.witnesses[0][self._lost(self.witnesses[0])]
+            u = self.witnesses[0][self.lost(self.witnesses[0])]
             weights = np.ones(len(u))
         if len(u):
             about = PolarMixture.about(u, weights, self.rng)
             self.mixture = self.mixture.joined(about, OF_LOST)
+
+
+def part_unseen(levels: int, seeds: int) -> float:
+    """Return the largest part of all failures that climbs may have missed in a region of its own.
+
+    The seeds in such a region are a critical branching process: each has one seed at the next level
+    in the mean, often none, and several if its chain has moved little. Of m seeds and their
+    offspring, with the variance s^2 of a seed's, none is left after L levels with the probability
+    exp(-2 m / (s^2 L)) (Athreya K.B., Ney P.E. Branching processes. Springer, 1972, theorem I.9.1).
+
+    Parameters
+    ----------
+    levels
+        Levels that were climbed.
+    seeds
+        The fewest samples that led from one of them to the next.
+    """
+    return WANDERING * levels / max(seeds, 1)

@@ -3,7 +3,8 @@
 A direction comes from gradients on the way to a point of the limit state that is nearest to the
 origin. One region found says nothing of others. So points far out are run, in all directions: where
 one of them fails and no plane found explains it, another search starts there. In d dimensions they
-lie so far out that a plane as near as the nearest one has one in ten of them behind it.
+lie so far out that a plane as near as the nearest one has one in ten of them behind it. A short
+climb of subset simulation looks for regions that end before.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from uqfold.methods.crossings import LineLaw, Lines
 from uqfold.methods.rare_event import NestedCriteria, Running
+from uqfold.methods.subset_climb import piloted
 from uqfold.typing import BoolArray, FloatArray
 
 STEP = 0.1
@@ -29,6 +31,9 @@ FEWEST_SEEN = 5
 """So many of them have to fail: fewer would hardly tell of other regions of failure."""
 LOOKS_AGAIN = 3
 """Times that they are drawn at most, since they belong to a distance."""
+CLIMB, FEWEST_OF_CLIMB, PART_OF_CLIMB, LEVEL_PROBABILITY = 100, 50, 15, 0.1
+"""Samples at each level of a climb that looks for regions which do not reach far out: most and
+fewest, else one part in so many of the runs; and the share of them that leads to the next level."""
 MOVED = 0.3
 """They are drawn again if that distance has changed by more than this."""
 SHARE_BEYOND = 0.1
@@ -78,7 +83,7 @@ class DirectionSearch:
         Whether gradients have led there (K,): else it is the way to a failure, and how near its
         region comes is not known.
     unexplained
-        Points far out that fail for no reason that is known.
+        Failures found that no direction explains.
     """
 
     asked: NestedCriteria
@@ -108,11 +113,24 @@ class DirectionSearch:
         for _ in range(LOOKS_AGAIN):
             distance = float(self.betas[0]) if self.betas.size else distances.pop(0)
             doubts = yield from self._look(distance)
-            if doubts or (self.betas.size and abs(self.betas[0] - distance) < MOVED):
+            if doubts:
                 return doubts
+            if self.betas.size and abs(self.betas[0] - distance) < MOVED:
+                break
         if self.betas.size:
-            return []
+            return (yield from self._climb())
         return [f"no failure found within {FARTHEST:g} standard deviations of the inputs"]
+
+    def _climb(self) -> Running[list[str]]:
+        """Climb to failures wherever the response leads, and follow what is not explained."""
+        size = min(CLIMB, self.affordable // PART_OF_CLIMB)
+        if size < FEWEST_OF_CLIMB:
+            return []
+        most = self.affordable // 2
+        pilot = yield from piloted(self.asked, size, LEVEL_PROBABILITY, most, self.rng)
+        assert pilot.last is not None
+        fails = self.asked.fail(pilot.last.high)[0]
+        return (yield from self._follow(pilot.last.u[fails], pilot.last.high[fails]))
 
     def _look(self, distance: float) -> Running[list[str]]:
         """Look far out in all directions, and follow what is not explained."""
@@ -128,7 +146,10 @@ class DirectionSearch:
         if self.betas.size and np.count_nonzero(fails) < FEWEST_SEEN:
             few = f"only {np.count_nonzero(fails)} of {number} points far out fail"
             return [f"{few}, too few to tell of other regions of failure"]
-        points, heights = u[fails], high[fails]
+        return (yield from self._follow(u[fails], high[fails]))
+
+    def _follow(self, points: FloatArray, heights: FloatArray) -> Running[list[str]]:
+        """Look for directions to failures (n, d) of some heights (n,) until all are explained."""
         while True:
             left = np.flatnonzero(~self._explains(points))
             self.unexplained = left.size
@@ -152,7 +173,7 @@ class DirectionSearch:
                 # the way from there has led back to what is known
                 self._add(ray, begin, led=False)
         return [
-            f"{self.unexplained} of {number} points far out fail where none of "
+            f"{self.unexplained} of {len(points)} failures found lie where none of "
             f"{len(self.betas)} directions leads"
         ]
 

@@ -417,7 +417,7 @@ def _estimate(
 ) -> Estimate:
     certain = found.pf in (0.0, 1.0)
     # what the surface says about its own error says nothing about what it does not describe
-    if certain and math.isfinite(criterion.threshold):
+    if certain:
         doubts = [*doubts, f"pf = {found.pf:g} is the surface's: no run says what lies beyond it"]
     unknown = bool(doubts) or not all(one.complete for one in runs)
     if not (certain or unknown) and std_error > target_cov * min(found.pf, found.reliability):

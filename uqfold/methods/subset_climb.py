@@ -88,11 +88,14 @@ class Pilot:
         Samples that it has drawn.
     note
         Why it ended before failures were frequent; empty if they are.
+    last
+        The samples above the last level.
     """
 
     levels: tuple[Rung, ...]
     n_samples: int
     note: str
+    last: Population | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +191,7 @@ def piloted(
         drawn += moves.made
         sigma = moves.sigma
         levels.append(Rung(height, sigma))
-    return Pilot(tuple(levels), drawn, note)
+    return Pilot(tuple(levels), drawn, note, population)
 
 
 def climbs(

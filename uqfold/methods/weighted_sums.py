@@ -121,11 +121,7 @@ class WeightedSums:
             )
         elif self.heaviest > HEAVY:
             doubts.append(f"one sample makes {100.0 * self.heaviest:.0f} % of pf")
-        unseen = min(unseen, UNSEEN / max(self.blind, 1e-300))
-        if unseen > MOST_UNSEEN:
-            doubts.append(
-                f"a region elsewhere with {100.0 * min(unseen, 1.0):.0f} % of pf might be missed"
-            )
+        doubts += doubts_of_unseen(min(unseen, UNSEEN / max(self.blind, 1e-300)))
         if self.hits and self.cov <= target:
             apart = math.log(self.pf / other.mean) / math.hypot(self.cov, other.cov)
             if abs(apart) > APART:
@@ -154,3 +150,10 @@ class WeightedSums:
             status=status,
             message="; ".join([*doubts, *short]),
         )
+
+
+def doubts_of_unseen(part: float) -> list[str]:
+    """Return the doubt that a region with a part of pf has been missed, if it is a large part."""
+    if part <= MOST_UNSEEN:
+        return []
+    return [f"a region elsewhere with {100.0 * min(part, 1.0):.0f} % of pf might be missed"]

@@ -48,8 +48,11 @@ def check_certain_outcomes(method: ReliabilityMethod, settings: Settings) -> Non
     asked = criteria(thresholds, missions=[1, 2])
     result = method.estimate(problem, asked, max_evals=BUDGET, rng=11)
     for criterion, row in zip(asked, result, strict=True):
-        expected = 0.0 if criterion.threshold > 0 else 1.0
-        _is_or_no_answer(row, expected, 1e-9, shown(method, criterion, row))
+        expected, where = 0.0 if criterion.threshold > 0 else 1.0, shown(method, criterion, row)
+        _is_or_no_answer(row, expected, 1e-9, where)
+        if math.isinf(criterion.threshold):
+            sure = row.status == "converged"
+            demand(not sure, f"{where}: no run says that no response is infinite")
 
 
 def check_boundary_works(method: ReliabilityMethod, settings: Settings) -> None:
