@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import chdtrc, ndtr, ndtri
+from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
 from uqfold.inputs import normal
 from uqfold.methods import (
@@ -233,3 +233,35 @@ def test_intervals_hold_in_1000_seeds(method: ReliabilityMethod) -> None:
     covered = sum(row.ci_low <= pf <= row.ci_high for row in usable)
     assert len(usable) > 500
     assert binom.cdf(covered, len(usable), 0.95) > 1e-3
+
+
+@pytest.mark.parametrize("seed", [0, 1, 18])
+def test_a_ridge_between_the_places_of_rays_is_a_doubt(seed: int) -> None:
+    """Rays step over it: a third of pf was missing, for sure."""
+
+    def ridge(x: FloatArray) -> FloatArray:
+        return np.asarray(x[:, 0] - 3.2 + 2.0 * np.exp(-(((x[:, 1] - 2.0) / 0.1) ** 2)))
+
+    row = RAYS.estimate(standard_normal(ridge, 2), Criterion(0.0), max_evals=5_000, rng=seed)[0]
+    assert row.status == "doubtful"
+
+
+def test_a_small_disc_of_failure_is_as_exact_as_what_lies_far_out() -> None:
+    """Its radius is 0.014, and the response is infinite in its centre."""
+
+    def depth(x: FloatArray) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return np.asarray(-np.log((x**2).sum(axis=1)))
+
+    limit = Criterion(-math.log(float(chdtri(2, 1.0 - 1e-4))))
+    row = RAYS.estimate(standard_normal(depth, 2), limit, max_evals=5_000, rng=1)[0]
+    assert row.pf == pytest.approx(1e-4, rel=3e-3)
+    assert abs(row.pf - 1e-4) < 3.0 * row.std_error < 0.03 * row.pf
+
+
+def test_rays_that_meet_no_failure_bound_it() -> None:
+    """The bound was 1, however many directions had been looked at."""
+    nothing = standard_normal(lambda x: x[:, 0], 10)
+    row = RAYS.estimate(nothing, Criterion(12.0), max_evals=2_500, rng=1)[0]
+    assert (row.pf, row.status) == (0.0, "doubtful")
+    assert 0.002 < row.ci_high < 0.02

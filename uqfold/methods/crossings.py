@@ -4,7 +4,8 @@ A line is run at some places; between two of them that differ a crossing is narr
 secants where the response is like a line and by halves where it jumps. What lies between two places
 that agree is believed to agree with them, and a belief may be wrong. So each line gets one more
 run, at a place drawn at random: where it contradicts, the difference counts with the weight of the
-draw. The probability along a line has no bias then, whatever was overlooked.
+draw. The probability along a line has no bias then, whatever was overlooked. Half of these places
+are drawn where what is overlooked would matter.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from uqfold.methods.rare_event import NestedCriteria, Running
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
 TOLERANCE = 2e-3
-"""How well a crossing is known, in standard deviations, divided by its distance beyond one."""
+"""How well a crossing is known, relative to the smaller probability on either side of it."""
 CLOSE = 0.5
 """A secant is believed over no more than this."""
 ROUNDS, SECANTS = 24, 8
@@ -41,17 +42,27 @@ class LineLaw:
         Probabilities (k,) of lower and of larger places than those given (k,).
     density
         Their density (k,).
+    place
+        The places (k,) that are exceeded with some probabilities (k,).
     """
 
     below: Tail
     above: Tail
     density: Tail
+    place: Tail
 
     def between(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Probabilities (k,) of the places from start (k,) to end (k,), by the nearer tail."""
         low, high = self.below(start), self.above(start)
         by_low, by_high = self.below(end) - low, high - self.above(end)
         return np.maximum(0.0, np.where(low < high, by_low, by_high))
+
+    def tolerance(self, at: FloatArray) -> FloatArray:
+        """How well crossings at some places (k,) are to be known, in standard deviations."""
+        smaller, density = np.minimum(self.below(at), self.above(at)), self.density(at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            known = TOLERANCE * smaller / density
+        return np.where(np.isfinite(known) & (known > 0.0), known, TOLERANCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +189,8 @@ class Lines:
         limit = float(self.asked.limits[0])
         for step in range(ROUNDS):
             cells = _cells(places, limit)
-            line, at = cells.narrowed(halve=step >= SECANTS or (step > 2 and step % 2 == 1))
+            halve = step >= SECANTS or (step > 2 and step % 2 == 1)
+            line, at = cells.narrowed(self.law.tolerance(cells.crossing), halve=halve)
             if step < BUMPS:
                 bumps = _bumps(places, limit)
                 line = np.concatenate([line, bumps[0]])
@@ -190,9 +202,20 @@ class Lines:
         return _segments(places, limit)
 
     def checked(
-        self, segments: Segments, rng: np.random.Generator
+        self, segments: Segments, share: float, rng: np.random.Generator
     ) -> Running[tuple[FloatArray, FloatArray]]:
-        """Contradict the pieces by one run on each line, at a place drawn evenly from its stretch.
+        """Contradict the pieces by one run on each line, at a random place of its stretch.
+
+        Half of the places are drawn evenly, and half by the law from its uppermost part.
+
+        Parameters
+        ----------
+        segments
+            The pieces.
+        share
+            How much of the law lies in that part; it may not rest on these lines.
+        rng
+            Source of randomness.
 
         Returns
         -------
@@ -200,9 +223,21 @@ class Lines:
             What it adds to the probability of failure along each line, failed runs as safe and as
             failures: nothing where the run says what the pieces say.
         """
-        at = self.first + (self.last - self.first) * rng.random(len(self))
+        length, even = self.last - self.first, rng.random(len(self)) < 0.5
+        most = np.minimum(share, self.law.above(self.first))
+        upper = most - self.law.above(self.last)
+        even |= ~(upper > 0.0)
+        drawn = rng.random(len(self))
+        with np.errstate(invalid="ignore"):
+            far = self.law.place(most - drawn * upper)
+        at = np.where(even, self.first + length * drawn, np.clip(far, self.first, self.last))
         found = yield from self.run(np.arange(len(self)), at)
-        weight = self.law.density(at) * (self.last - self.first)
+        density = self.law.density(at)
+        within = (self.law.above(at) <= most) & (upper > 0.0)
+        # the density that the place was drawn from, in two halves
+        by_law = np.where(within, density / np.where(upper > 0.0, upper, 1.0), 0.0)
+        chance = np.where(upper > 0.0, 0.5 / length + 0.5 * by_law, 1.0 / length)
+        weight = density / chance
         believed = segments.state_at(at)
         low = (found.state == 2).astype(float) - (believed == 2)
         high = (found.state > 0).astype(float) - (believed > 0)
@@ -232,10 +267,9 @@ class _Cells:
     straight: BoolArray
     believed: BoolArray
 
-    def narrowed(self, *, halve: bool) -> tuple[IntArray, FloatArray]:
-        """Return where to run the cells whose crossing is not known well enough."""
+    def narrowed(self, tolerance: FloatArray, *, halve: bool) -> tuple[IntArray, FloatArray]:
+        """Return where to run the cells whose crossing is not known to a tolerance (k,)."""
         width = self.end - self.start
-        tolerance = TOLERANCE / np.maximum(1.0, np.abs(self.crossing))
         from_start, from_end = self.crossing - self.start, self.end - self.crossing
         near = self.straight & (np.minimum(from_start, from_end) <= tolerance)
         near &= self.believed | (width > CLOSE)

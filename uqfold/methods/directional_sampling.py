@@ -9,9 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
-from uqfold.methods.crossings import LineLaw, Lines, RunPlaces
-from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
+from uqfold.methods.clopper_pearson import clopper_pearson
+from uqfold.methods.crossings import LineLaw, Lines, RunPlaces, Segments
+from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
+from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_lines import DIRECTIONAL_SAMPLING
@@ -33,6 +35,8 @@ PLACES, CLOSELY = 3, 7
 closely, as those of the first round are."""
 COST = 8.0
 """Runs of a ray, as guessed before there are any."""
+NARROW = 0.05
+"""Failures in pieces between the places of rays, of more than this part of pf, are a doubt."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,8 @@ class DirectionalSampling(RareEventMethod):
         rounds = Rounds(asked, self.sets, self.target_cov, WITHOUT_A_BUDGET, rays)
         cost = COST * rays * asked.event.max_evals_per_sample
         yield from rounds.make(fans.drawn, cost, rays * asked.event.dimension)
-        estimate = yield from rounds.answer([], rng)
+        pf = float(np.mean(rounds.together("high"))) if rounds.made else 0.0
+        estimate = yield from rounds.answer(fans.missing(pf), rng, fans.most)
         return [estimate], DirectionalDetails(
             asked.criteria[0], rays, fans.nearest, rounds.together("high")
         )
@@ -139,7 +144,7 @@ class DirectionalSampling(RareEventMethod):
 
 def chi_law(dimension: int) -> LineLaw:
     """Return the law of distances from the origin in standard-normal space."""
-    from scipy.special import chdtr, chdtrc, gammaln
+    from scipy.special import chdtr, chdtrc, chdtri, gammaln
 
     constant = (0.5 * dimension - 1.0) * math.log(2.0) + float(gammaln(0.5 * dimension))
 
@@ -152,6 +157,7 @@ def chi_law(dimension: int) -> LineLaw:
         below=lambda at: np.asarray(chdtr(dimension, np.maximum(at, 0.0) ** 2)),
         above=lambda at: np.asarray(chdtrc(dimension, np.maximum(at, 0.0) ** 2)),
         density=density,
+        place=lambda share: np.asarray(np.sqrt(chdtri(dimension, share))),
     )
 
 
@@ -180,6 +186,8 @@ class Fans:
     nearest: float = math.inf
     _law: LineLaw = field(init=False)
     _pf: list[float] = field(default_factory=list)
+    _between: list[float] = field(default_factory=list)
+    _met: int = 0
     _origin: RunPlaces | None = None
 
     def __post_init__(self) -> None:
@@ -200,21 +208,57 @@ class Fans:
             np.arange(n), np.repeat(origin.at, n), np.repeat(origin.state, n),
             np.repeat(origin.height, n),
         )  # fmt: skip
-        inner = np.broadcast_to(self._inner(reach), (n, CLOSELY if self.closely else PLACES))
-        segments = yield from lines.followed(inner, known)
-        more_low, more_high = yield from lines.checked(segments, self.rng)
+        places = self._inner(reach, n)
+        segments = yield from lines.followed(places, known)
+        share = MATTERS * float(np.mean(self._pf)) if self._pf else 0.0
+        more_low, more_high = yield from lines.checked(segments, share, self.rng)
         nowhere, everywhere = np.zeros(n), np.full(n, np.inf)
         low, high = lines.masses(segments, nowhere, everywhere)
         values = [one.reshape(number, -1) for one in (high + more_high, low + more_low)]
-        self.closely = bool((segments.crossings(n) > 1).any() or more_high.any())
+        between = self._overlooked(segments, places) if self.closely else np.zeros(n)
         self.nearest = min(self.nearest, float(segments.first_failures(n).min()))
         self._pf.extend(values[0].mean(axis=1))
+        several = bool((segments.crossings(n) > 1).any() or more_high.any())
+        self.closely = several or len(self._pf) < FEWEST
+        self._between.extend(between.reshape(number, -1).mean(axis=1))
+        self._met += int(np.count_nonzero(high + np.abs(more_high)))
         return Round(
             values[0].mean(axis=1),
             values[1].mean(axis=1),
             np.abs(more_high).reshape(number, -1).max(axis=1) / self.rays,
             values[0].max(axis=1) / self.rays,
         )
+
+    def _overlooked(self, segments: Segments, places: FloatArray) -> FloatArray:
+        """How much failure on each ray (N,) its places (N, k) have missed, in expectation.
+
+        A piece that is narrower than the distance of two places holds one of them by luck, and as
+        many more are missed, but for those that the responses beside them have led to.
+        """
+        spacing, width = float(places[0, 1] - places[0, 0]), segments.end - segments.start
+        chosen = (segments.state > 0) & (segments.start > spacing) & (width < spacing)
+        line, start, end = segments.line[chosen], segments.start[chosen], segments.end[chosen]
+        held = ((start[:, None] <= places[line]) & (places[line] < end[:, None])).any(axis=1)
+        found, missed = self._law.between(start, end), np.zeros(len(places))
+        np.add.at(missed, line, found * (held * spacing / np.maximum(end - start, 1e-12) - 1.0))
+        return missed
+
+    def missing(self, pf: float) -> list[str]:
+        """Return doubts where failure comes in pieces that lie between the places of rays."""
+        between = np.array(self._between)
+        if between.size < 2:
+            return []
+        mean, error = float(between.mean()), float(between.std(ddof=1)) / math.sqrt(between.size)
+        if mean <= max(NARROW * pf, error):
+            return []
+        part = f"{100.0 * mean / pf:.0f} % of pf" if pf > 0.0 else "some of pf"
+        return [f"{part} may lie in narrow regions that rays step over"]
+
+    @property
+    def most(self) -> float:
+        """Upper bound on pf by how many rays have met failures at all."""
+        made = len(self._pf) * self.rays
+        return min(1.0, clopper_pearson(self._met, made)[1] + FARTHEST) if made else 1.0
 
     def _reach(self) -> float:
         """How far out rays are looked at."""
@@ -224,13 +268,15 @@ class Fans:
         beyond = BEYOND * known if known > 0.0 else FARTHEST
         return math.sqrt(float(chdtri(self.asked.event.dimension, min(beyond, 0.5))))
 
-    def _inner(self, reach: float) -> FloatArray:
-        """Places on each ray, beside its end, to begin with."""
+    def _inner(self, reach: float, rays: int) -> FloatArray:
+        """Places (N, k) on rays, beside their ends, to begin with."""
         if self.closely or not math.isfinite(self.nearest):
             number = CLOSELY if self.closely else PLACES
-            return np.linspace(0.0, reach, number + 2)[1:-1]
+            spacing = reach / (number + 1)
+            first = spacing * (0.5 + self.rng.random(rays))
+            return np.asarray(first[:, None] + spacing * np.arange(number))
         begin = min(0.98 * self.nearest, 0.9 * reach)
-        return np.linspace(begin, reach, PLACES + 1)[:-1]
+        return np.tile(np.linspace(begin, reach, PLACES + 1)[:-1], (rays, 1))
 
 
 def _spread(number: int, dimension: int, rng: np.random.Generator) -> FloatArray:

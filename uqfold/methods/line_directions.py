@@ -57,12 +57,13 @@ UNKNOWN_DISTANCES = (4.0, 6.0, 8.0)
 
 def normal_law() -> LineLaw:
     """Return the standard normal law, that of places along a line in any direction."""
-    from scipy.special import ndtr
+    from scipy.special import ndtr, ndtri
 
     return LineLaw(
         below=ndtr,
         above=lambda at: np.asarray(ndtr(-at)),
         density=lambda at: np.asarray(np.exp(-0.5 * at**2) / math.sqrt(2.0 * math.pi)),
+        place=lambda share: np.asarray(-ndtri(share)),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.methods.crossings import Lines
 from uqfold.methods.line_directions import DirectionSearch, normal_law
-from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
+from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
 from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import Estimate
@@ -154,6 +154,7 @@ class Bundles:
     betas: FloatArray
     led: BoolArray
     closely: bool = True
+    _pf: list[float] = field(default_factory=list)
     _expected: FloatArray = field(init=False)
     _width: FloatArray = field(init=False)
     _hits: IntArray = field(init=False)
@@ -166,7 +167,7 @@ class Bundles:
     def drawn(self, number: int) -> Running[Round]:
         """Draw some bundles."""
         high, low, contradicted, largest = np.zeros((4, number))
-        several = False
+        several, share = False, MATTERS * float(np.mean(self._pf)) if self._pf else 0.0
         for k in range(self.betas.size):
             lines, start, of = self._lines(k, number)
             if not len(lines):
@@ -178,7 +179,7 @@ class Bundles:
                 reach = (lines.last - lines.first)[:, None]
                 inner = np.hstack([inner, lines.first[:, None] + shares * reach])
             segments = yield from lines.followed(inner)
-            more_low, more_high = yield from lines.checked(segments, self.rng)
+            more_low, more_high = yield from lines.checked(segments, share, self.rng)
             mass_low, mass_high = lines.masses(segments, start, np.full(len(lines), np.inf))
             high[of] += mass_high + more_high
             low[of] += mass_low + more_low
@@ -189,6 +190,7 @@ class Bundles:
             self._expect(k, segments.first_failures(len(lines)))
         # decided for the lines after these, so that their estimates stay without bias
         self.closely = several
+        self._pf.extend(high)
         return Round(high, low, contradicted, largest)
 
     def missing(self, pf: float) -> list[str]:

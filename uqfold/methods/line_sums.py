@@ -34,6 +34,8 @@ beyond the ends of lines."""
 OUTSTANDING = 5.0
 """One line may make so many times the mean of a repetition before it is a doubt, if it makes more
 than a fiftieth of pf."""
+MATTERS = 30.0
+"""Lines are contradicted mostly where so many times pf lies further out."""
 RESERVE = 1.3
 """A round may cost so much more than the rounds before it."""
 
@@ -208,7 +210,8 @@ class Rounds:
         """Return how many repetitions to make next; 0: no more."""
         if self._precise():
             return 0
-        number = max(FEWEST, self.made)
+        # the first lines tell what a line costs
+        number = max(FEWEST if self.made else -(-FEWEST // self.lines), self.made, 2)
         most = self.wanted
         if most is None and self.asked.session.max_evals is None and self.target is None:
             most = self.without_a_budget
@@ -223,8 +226,20 @@ class Rounds:
             return False
         return Repetitions(self.together("high"), self.least).most_cov <= self.target
 
-    def answer(self, doubts: list[str], rng: np.random.Generator) -> Running[Estimate]:
-        """Return the answer; see `combined`. Runs too few for two repetitions go into a count."""
+    def answer(
+        self, doubts: list[str], rng: np.random.Generator, most: float = 1.0
+    ) -> Running[Estimate]:
+        """Return the answer; see `combined`. Runs too few for two repetitions go into a count.
+
+        Parameters
+        ----------
+        doubts
+            What is doubtful for reasons that repetitions do not show.
+        rng
+            Source of randomness.
+        most
+            Upper bound on pf where hardly any of them has met failures.
+        """
         few = ["the runs are too few for lines"]
         if self.made < 2 and self.asked.left >= self.asked.event.max_evals_per_sample:
             return (yield from Sample().counted(self.asked, self.target, few, rng))
@@ -241,7 +256,7 @@ class Rounds:
         if low.sum() <= 0.0:
             low = np.zeros_like(low)
         status: Status = "budget_exhausted" if self.short else "converged"
-        above = Repetitions(np.ones_like(high))
+        above = Repetitions(np.full_like(high, most))
         estimate = combined(
             Repetitions(high, self.least), Repetitions(low, self.least), above, target, status,
             self.short,
