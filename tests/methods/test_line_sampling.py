@@ -15,9 +15,7 @@ from uqfold.methods import (
     ReliabilityMethod,
     SequentialMethod,
 )
-from uqfold.methods.crossings import LineLaw
-from uqfold.methods.directional_sampling import chi_law
-from uqfold.methods.line_directions import normal_law
+from uqfold.methods.line_laws import LineLaw, chi_law, normal_law
 from uqfold.problems import Problem
 from uqfold.problems.catalogue import entry
 from uqfold.problems.catalogue import problem as limit_state

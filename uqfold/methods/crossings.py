@@ -10,16 +10,14 @@ are drawn where what is overlooked would matter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.methods.line_laws import TOLERANCE, LineLaw
 from uqfold.methods.rare_event import NestedCriteria, Running
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
-TOLERANCE = 2e-3
-"""How well a crossing is known, relative to the smaller probability on either side of it."""
 CLOSE = 0.5
 """A secant is believed over no more than this."""
 ROUNDS, SECANTS = 24, 8
@@ -28,41 +26,6 @@ BENT = 4.0
 """A secant is believed if it is steeper than the one beside it by no more than this."""
 BUMPS = 2
 """In so many first rounds places are tried where three others say that the response may turn."""
-
-Tail = Callable[[FloatArray], FloatArray]
-
-
-@dataclass(frozen=True)
-class LineLaw:
-    """How places are distributed along a line.
-
-    Attributes
-    ----------
-    below, above
-        Probabilities (k,) of lower and of larger places than those given (k,).
-    density
-        Their density (k,).
-    place
-        The places (k,) that are exceeded with some probabilities (k,).
-    """
-
-    below: Tail
-    above: Tail
-    density: Tail
-    place: Tail
-
-    def between(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Probabilities (k,) of the places from start (k,) to end (k,), by the nearer tail."""
-        low, high = self.below(start), self.above(start)
-        by_low, by_high = self.below(end) - low, high - self.above(end)
-        return np.maximum(0.0, np.where(low < high, by_low, by_high))
-
-    def tolerance(self, at: FloatArray) -> FloatArray:
-        """How well crossings at some places (k,) are to be known, in standard deviations."""
-        smaller, density = np.minimum(self.below(at), self.above(at)), self.density(at)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            known = TOLERANCE * smaller / density
-        return np.where(np.isfinite(known) & (known > 0.0), known, TOLERANCE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.methods.clopper_pearson import clopper_pearson
-from uqfold.methods.crossings import LineLaw, Lines, RunPlaces, Segments
+from uqfold.methods.crossings import Lines, RunPlaces, Segments
+from uqfold.methods.line_laws import LineLaw, chi_law
 from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
 from uqfold.methods.repetitions import FEWEST
@@ -140,25 +141,6 @@ class DirectionalSampling(RareEventMethod):
             most = MOST_RAYS if self.target_cov is None else WITH_A_TARGET
             wanted = min(max(wanted, FEWEST_RAYS), most)
         return 1 << math.ceil(math.log2(wanted))
-
-
-def chi_law(dimension: int) -> LineLaw:
-    """Return the law of distances from the origin in standard-normal space."""
-    from scipy.special import chdtr, chdtrc, chdtri, gammaln
-
-    constant = (0.5 * dimension - 1.0) * math.log(2.0) + float(gammaln(0.5 * dimension))
-
-    def density(at: FloatArray) -> FloatArray:
-        with np.errstate(divide="ignore"):
-            logs = (dimension - 1.0) * np.log(at) - 0.5 * at**2 - constant
-        return np.asarray(np.exp(logs))
-
-    return LineLaw(
-        below=lambda at: np.asarray(chdtr(dimension, np.maximum(at, 0.0) ** 2)),
-        above=lambda at: np.asarray(chdtrc(dimension, np.maximum(at, 0.0) ** 2)),
-        density=density,
-        place=lambda share: np.asarray(np.sqrt(chdtri(dimension, share))),
-    )
 
 
 @dataclass(eq=False)

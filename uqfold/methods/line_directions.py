@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from uqfold.methods.crossings import LineLaw, Lines
+from uqfold.methods.crossings import Lines
+from uqfold.methods.line_laws import normal_law
 from uqfold.methods.rare_event import NestedCriteria, Running
 from uqfold.methods.subset_climb import piloted
 from uqfold.typing import BoolArray, FloatArray
@@ -53,18 +54,6 @@ ALIKE = 0.999
 """Directions with a larger cosine than this belong to the same region."""
 UNKNOWN_DISTANCES = (4.0, 6.0, 8.0)
 """How far out failures are looked for as long as no region is known."""
-
-
-def normal_law() -> LineLaw:
-    """Return the standard normal law, that of places along a line in any direction."""
-    from scipy.special import ndtr, ndtri
-
-    return LineLaw(
-        below=ndtr,
-        above=lambda at: np.asarray(ndtr(-at)),
-        density=lambda at: np.asarray(np.exp(-0.5 * at**2) / math.sqrt(2.0 * math.pi)),
-        place=lambda share: np.asarray(-ndtri(share)),
-    )
 
 
 @dataclass(eq=False)

@@ -10,7 +10,8 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.methods.crossings import Lines
-from uqfold.methods.line_directions import DirectionSearch, normal_law
+from uqfold.methods.line_directions import DirectionSearch
+from uqfold.methods.line_laws import normal_law
 from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
 from uqfold.methods.repetitions import FEWEST
