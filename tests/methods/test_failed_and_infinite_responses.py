@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from uqfold.methods import (
     ActiveKriging,
@@ -15,9 +16,10 @@ from uqfold.methods import (
     OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
+    build,
 )
 from uqfold.problems import Problem
-from uqfold.problems.criterion import criteria
+from uqfold.problems.criterion import Criterion, criteria
 from uqfold.testing.linear_normal import LinearNormalSystem
 from uqfold.typing import FloatArray
 
@@ -156,3 +158,32 @@ def test_failed_runs_are_doubtful_also_where_the_budget_ends(method: Reliability
     assert row.status == "doubtful"
     assert "the stated error is above 1% of pf" in row.message
     assert f"{row.n_failed} of {row.n_evals} runs failed" in row.message
+
+
+@pytest.mark.parametrize("name", ["openturns-form", "sorm", "line-sampling", "importance-sampling"])
+def test_responses_near_the_largest_number_are_answered(name: str) -> None:
+    """Their differences and squares are no numbers, but distances in the inputs are."""
+    inputs = {"a": stats.norm(), "b": stats.norm()}
+    problem = Problem(
+        lambda x: 1.7e308 * np.tanh(0.5 * x[:, 0] + 0.05 * x[:, 1]), individual=inputs
+    )
+    row = build(name).estimate(problem, Criterion(1.6e308), max_evals=8_000, rng=1)[0]
+    exact = float(stats.norm.sf(math.atanh(1.6 / 1.7) / math.hypot(0.5, 0.05)))
+    assert row.pf == pytest.approx(exact, rel=0.1)
+
+
+@pytest.mark.parametrize("name", ["ffni", "ffni-spa", "ffni-pearson", "kriging", "pce"])
+def test_what_no_fit_can_square_is_refused_with_the_remedy(name: str) -> None:
+    inputs = {"a": stats.norm(), "b": stats.norm()}
+    problem = Problem(lambda x: 1.7e308 * np.tanh(x[:, 0] + 0.1 * x[:, 1]), individual=inputs)
+    row = build(name).estimate(problem, Criterion(1.6e308), max_evals=200, rng=1)[0]
+    assert row.status == "failed"
+    assert "state them in another unit" in row.message
+
+
+@pytest.mark.parametrize("name", ["active-kriging", "ffni", "kriging"])
+def test_thresholds_near_the_largest_number_are_answered(name: str) -> None:
+    inputs = {"a": stats.norm(), "b": stats.norm()}
+    problem = Problem(lambda x: x[:, 0] + 0.1 * x[:, 1] ** 2, individual=inputs)
+    rows = build(name).estimate(problem, criteria([1.7e308, -1.7e308]), max_evals=60, rng=1)
+    assert [row.pf for row in rows] == [0.0, 1.0]

@@ -552,7 +552,8 @@ def _on_the_wrong_side(threshold: float, surface: GaussianProcess) -> int:
     if not math.isfinite(threshold):
         return 0
     fitted = surface.mean(surface.u)
-    little = _LITTLE * float(np.median(np.abs(surface.y - threshold)))
+    # halves, so that the sum of two of them is a number, too
+    little = 2.0 * _LITTLE * float(np.median(0.5 * np.abs(surface.y - threshold)))
     missed = np.abs(surface.y - fitted) > max(_FAR * surface.noise_std, little)
     return int(np.count_nonzero(missed & ((fitted > threshold) != (surface.y > threshold))))
 

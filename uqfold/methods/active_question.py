@@ -101,7 +101,8 @@ class Answers:
         from scipy.special import ndtr
 
         def other_side(level: float) -> FloatArray:
-            above = (mean - level) / std
+            with np.errstate(over="ignore"):
+                above = (mean - level) / std
             return np.asarray(ndtr(-above if centre > level else above))
 
         return self._jumps(u, other_side)
@@ -266,7 +267,8 @@ def _spread_among(criteria: tuple[Criterion, ...]) -> tuple[tuple[Criterion, ...
 
 def normal_density(y: float, mean: FloatArray, std: FloatArray) -> FloatArray:
     """Density of normal distributions at y; far from it, where squares overflow, too."""
-    z = np.minimum(np.abs(mean - y) / std, 40.0)
+    with np.errstate(over="ignore"):
+        z = np.minimum(np.abs(mean - y) / std, 40.0)
     return np.asarray(np.exp(-0.5 * z * z) / (std * _ROOT_TWO_PI))
 
 

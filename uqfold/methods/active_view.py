@@ -202,7 +202,8 @@ def _sampled(
     mean, std = process.mean_and_std(u)
     found = []
     for criterion in question.criteria:
-        z = (mean + question.units.shift - criterion.threshold) / std
+        with np.errstate(over="ignore"):
+            z = (mean + question.units.shift - criterion.threshold) / std
         late, early = float(weights @ ndtr(z)), float(weights @ ndtr(-z))
         # the weights sum to one only roughly: the smaller probability is the accurate one
         single = late if late < early else max(0.0, 1.0 - early)

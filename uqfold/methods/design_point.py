@@ -277,7 +277,7 @@ class Search:
         around = np.vstack([tangents, -tangents])
         points = math.cos(angle) * towards + math.sin(angle) * around
         points = radius * np.vstack([points, -towards])
-        beyond = side * (response.values(points) - self.threshold) / self.best.slope
+        beyond = side * self.best.beyond(response.values(points), self.threshold)
         flat = radius * (math.cos(angle) - 1.0)
         bulge = 0.5 * (beyond[: len(tangents)] + beyond[len(tangents) : -1]) - flat
         self.second_order = _breitung(radius, -2.0 * bulge / (radius * math.sin(angle)) ** 2)
@@ -299,7 +299,7 @@ class Search:
         axes = np.eye(self.best.alpha.size)
         points = reach * np.vstack([-side * self.best.alpha, axes, -axes])
         near = side * (points @ self.best.alpha) < radius
-        beyond = side * (response.values(points[near]) - self.threshold)
+        beyond = side * self.best.beyond(response.values(points[near]), self.threshold)
         self.several = bool((beyond > 0.0).any())
 
     def design_point(

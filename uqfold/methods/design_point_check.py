@@ -101,8 +101,8 @@ class Surroundings:
 
     def margin(self, points: FloatArray) -> FloatArray:
         """Distances (k,) beyond the limit state, by the slope at the point; points (k, d)."""
-        best = self.search.best
-        return self.side * (self.response.values(points) - self.search.threshold) / best.slope
+        values = self.response.values(points)
+        return self.side * self.search.best.beyond(values, self.search.threshold)
 
     def folded(self, directions: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
         """Curvatures (k,) over +-length, positive away from the origin, and odd parts (k,)."""

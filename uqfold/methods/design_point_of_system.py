@@ -209,7 +209,7 @@ def _indices(
     for _ in range(1 + FURTHER * followed):
         steps = np.clip(ahead[active], -most[active], most[active])
         u = np.hstack([places[active], np.outer(steps, along) + beside[active]])
-        margin = (response.values(u) - search.threshold) / best.slope
+        margin = best.beyond(response.values(u), search.threshold)
         left = margin - (own * steps - gap[active])
         former = index[active]
         index[active] = (gap[active] - left) / max(own, LEAST_OWN)

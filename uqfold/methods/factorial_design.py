@@ -23,6 +23,7 @@ from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import Moments, moments_from_rule
 from uqfold.moments.families import Fit
 from uqfold.moments.quadrature import tensor_grid
+from uqfold.surrogates.centring import check_scatter
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray
@@ -255,6 +256,7 @@ def details_of_kinds(
     kinds = task.problem.kinds
     rows = [kinds.rows_of(kind, design.x) for kind, design in enumerate(designs)]
     found = task.session.evaluate(np.concatenate(rows))
+    check_scatter(found)
     y = np.split(found, np.cumsum([len(one) for one in rows])[:-1])
     pairs = list(zip(designs, y, strict=True))
     details = task.summed_up(lambda _: [conditional_responses(*one, fit)[1] for one in pairs])

@@ -16,6 +16,7 @@ from uqfold.methods.factorial_inner import Grids
 from uqfold.methods.factorial_rules import GaussRule, rule_of, rules_of
 from uqfold.methods.factorial_surface import FactorialSurface, Patch
 from uqfold.moments.quadrature import tensor_grid
+from uqfold.surrogates.centring import check_scatter
 from uqfold.typing import FloatArray
 
 MORE = 2
@@ -65,6 +66,7 @@ class KnownRuns:
             x = places if inputs.independent else inputs.from_standard_normal(places)
             rows = self.task.problem.kinds.rows_of(self.kind, x)
             found = self.task.session.evaluate(rows)
+            check_scatter(found)
             self._known.update(zip(new, found.tolist(), strict=True))
         return np.array([self._known[key] for key in keys])
 

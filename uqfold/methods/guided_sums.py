@@ -152,6 +152,8 @@ class GuidedSums:
             )
         status: Status = "budget_exhausted" if short else "converged"
         doubts = list(doubts)
+        if self.hits == n:
+            doubts.append(f"only failures among {n} samples")
         if self.heaviest > HEAVY:
             doubts.append(f"one sample makes {100.0 * self.heaviest:.0f} % of pf")
         if overlooked > OVERLOOKED:

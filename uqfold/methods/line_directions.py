@@ -187,7 +187,7 @@ class DirectionSearch:
             if self.affordable < dimension + 1:
                 break
             height, gradient = yield from self._gradient(u)
-            slope = float(np.linalg.norm(gradient))
+            slope = math.hypot(*gradient)
             if not (math.isfinite(slope) and slope > 0.0 and math.isfinite(height)):
                 break
             alpha = gradient / slope

@@ -80,6 +80,14 @@ class Linearisation:
             return math.copysign(math.inf, threshold - self.y)
         return (threshold - self.y) / self.slope + float(self.alpha @ self.u)
 
+    def beyond(self, y: FloatArray, threshold: float) -> FloatArray:
+        """Distances (n,) by which responses (n,) exceed T, at the slope here."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            gap = y - threshold
+            # what is too far apart for a number may be a few standard deviations
+            apart = y / self.slope - threshold / self.slope
+            return np.where(np.isfinite(gap), gap / self.slope, apart)
+
     def residual(self, threshold: float) -> float:
         """Distance from u to the foot beta * alpha of that plane, zero at a design point.
 

@@ -163,7 +163,8 @@ class PearsonTable:
     def _locate(self, z: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
         """Panel and local position of z, clipped to the panels."""
         panel = np.clip(np.searchsorted(self.edges, z, side="right") - 1, 0, self._half.size - 1)
-        x = (z - self._middle[panel]) / self._half[panel]
+        with np.errstate(over="ignore"):
+            x = (z - self._middle[panel]) / self._half[panel]
         return panel, np.clip(x, -1.0, 1.0)
 
     def tails(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:

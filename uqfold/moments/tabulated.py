@@ -102,8 +102,9 @@ class TabulatedDistribution:
             return np.asarray(self.scores[near])
         x = self._scaled(y)
         (first, last), (before, after) = self._ends
-        score = self._curve(np.clip(x, first, last)) + before * np.minimum(x - first, 0.0)
-        return np.asarray(score + after * np.maximum(x - last, 0.0))
+        with np.errstate(over="ignore"):
+            score = self._curve(np.clip(x, first, last)) + before * np.minimum(x - first, 0.0)
+            return np.asarray(score + after * np.maximum(x - last, 0.0))
 
     def _slope(self, y: ArrayLike) -> FloatArray:
         """Slope of the normal score per unit of the response."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from uqfold.typing import FloatArray
 
 SMALLEST_SCATTER, LARGEST_SCATTER = 1e-120, 1e120
@@ -19,9 +21,22 @@ def centre_of(y: FloatArray) -> float:
     least, most = float(y.min()), float(y.max())
     if least == most:
         return least
-    if not SMALLEST_SCATTER <= most - least <= LARGEST_SCATTER:
+    check_scatter(y, SMALLEST_SCATTER)
+    return float(y.mean())
+
+
+def check_scatter(y: FloatArray, smallest: float = 0.0) -> None:
+    """Refuse responses, of which some are finite, that fits and moments cannot square.
+
+    Raises
+    ------
+    ValueError
+        If finite ones scatter by less than the smallest scatter, or by too much.
+    """
+    finite = y[np.isfinite(y)]
+    least, most = float(finite.min(initial=np.inf)), float(finite.max(initial=-np.inf))
+    if least < most and not smallest <= most - least <= LARGEST_SCATTER:
         raise ValueError(
             f"responses from {least:g} to {most:g} cannot be fitted, since a fit squares their "
-            f"scatter ({SMALLEST_SCATTER:g} to {LARGEST_SCATTER:g}): state them in another unit"
+            f"scatter ({smallest:g} to {LARGEST_SCATTER:g}): state them in another unit"
         )
-    return float(y.mean())
