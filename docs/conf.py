@@ -10,7 +10,7 @@ project = "uqfold"
 author = "The uqfold developers"
 extensions = [
     "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
-    "typesetting", "method_pages", "gallery",
+    "typesetting", "method_pages", "gallery", "reports_made",
 ]  # fmt: skip
 html_theme = "furo"
 html_title = "uqfold"
