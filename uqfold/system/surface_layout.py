@@ -229,7 +229,8 @@ class _Choice:
         changed = _apart(indices, self._indices(replace(quadrature, rules=fewer)))
         contradicted = _apart(indices, self._indices(sampled)) > _AT_ODDS * (changed + error)
         if changed < error and not contradicted:
-            return _with_error(quadrature, changed)
+            rules = tuple(replace(one, confirmed=True) for one in quadrature.rules)
+            return _with_error(replace(quadrature, rules=rules), changed)
         return sampled
 
     def _indices(self, system: SurfaceSystem) -> FloatArray:

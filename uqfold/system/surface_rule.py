@@ -38,17 +38,20 @@ class SurfaceRule:
         Lines in the space of the individual variables, the same at every shared node.
     error
         Error of a normal score that the rule leaves, as far as refinement has shown.
+    confirmed
+        Whether lines and rays drawn at random, which err by more, do not contradict it.
     """
 
     shared_nodes: FloatArray
     weights: FloatArray
     lines: LineRule
     error: float
+    confirmed: bool = False
 
     @property
     def resolved(self) -> bool:
-        """Whether the number of points sufficed for an acceptable accuracy."""
-        return self.error <= ACCEPTABLE
+        """Whether the error is known: it is acceptable, or confirmed."""
+        return self.confirmed or self.error <= ACCEPTABLE
 
     @property
     def points(self) -> FloatArray:
