@@ -24,9 +24,18 @@ Row = dict[str, Any]
 Question = tuple[str, str, int]
 """A problem, a method and a seed."""
 
-SIMULATION = {"mc", "conditional-mc", "openturns-mc"}
 RUNS, RUNS_OF_MANY, SIMULATED = 200, 300, 20_000
 """Budgets: of methods that are sparing with runs, over few inputs and many; and of simulation."""
+RUNS_OF = {
+    **dict.fromkeys(
+        ("mc", "conditional-mc", "openturns-mc", "subset-simulation", "importance-sampling"),
+        SIMULATED,
+    ),
+    "directional-sampling": 5_000,
+    "line-sampling": 2_000,
+    "auto": 3_000,
+}
+"""Budgets of methods that need more."""
 MANY = 30
 """From how many inputs they are many."""
 MOST_INPUTS = 12
@@ -64,7 +73,7 @@ QUANTILE = 1.96
 def answer(name: str, method: str, seed: int) -> Row:
     """Ask one method about one problem."""
     hard = next(one for one in PROBLEMS if one.name == name)
-    budget = SIMULATED if method in SIMULATION else RUNS if hard.d < MANY else RUNS_OF_MANY
+    budget = RUNS_OF.get(method, RUNS if hard.d < MANY else RUNS_OF_MANY)
     row = build(method).estimate(hard.problem(), hard.criterion, max_evals=budget, rng=seed)[0]
     return {
         "problem": name,
