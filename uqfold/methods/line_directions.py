@@ -221,8 +221,8 @@ class DirectionSearch:
         )  # fmt: skip
         if self.affordable < 2 * inner.size:
             return math.inf
-        segments = yield from line.followed(inner)
-        return max(0.0, float(segments.first_failures(1)[0]))
+        traces = yield from line.followed(inner)
+        return max(0.0, float(traces.segments.first_failures(1)[0]))
 
     def _add(self, alpha: FloatArray, beta: float, *, led: bool = True) -> None:
         """Note a direction, or that it is a better one than an old one like it."""

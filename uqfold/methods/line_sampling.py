@@ -12,7 +12,8 @@ from uqfold.checks import keep, or_none, real, whole
 from uqfold.methods.crossings import Lines
 from uqfold.methods.line_directions import DirectionSearch
 from uqfold.methods.line_laws import normal_law
-from uqfold.methods.line_sums import MATTERS, Round, Rounds, Sample, frequent
+from uqfold.methods.line_neighbours import Traces
+from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
 from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import Estimate
@@ -32,7 +33,7 @@ CLOSELY = 3
 these meet failure more than once."""
 NOTICED = 0.02
 """A direction whose plane has less than this part of pf behind it need not be met."""
-COST = 9.0
+COST = 12.0
 """Runs of a line, as guessed before there are any."""
 
 
@@ -67,7 +68,7 @@ class LineSampling(RareEventMethod):
     failure, which have directions of their own. A line runs in each direction through a random
     point; where it crosses from working to failing is found by a few runs, and the normal
     probability beyond is one estimate of pf. A point belongs to the direction in whose plane it
-    lies deepest, so that nothing counts twice. One more run at a random place on each line keeps
+    lies deepest, so that nothing counts twice. Two more runs at random places on each line keep
     the estimate without bias where a crossing was overlooked.
 
     Every criterion has runs of its own; what is left of `max_evals` is split into equal shares for
@@ -120,7 +121,9 @@ class LineSampling(RareEventMethod):
             nothing = np.empty(0)
             return [estimate], LineDetails(asked.criteria[0], search.alphas[:0], nothing, nothing)
         bundles = Bundles(asked, rng, *search.weighty())
-        rounds = Rounds(asked, self.lines, self.target_cov, WITHOUT_A_BUDGET)
+        rounds = Rounds(
+            asked, self.lines, self.target_cov, WITHOUT_A_BUDGET, heaviest=bundles.heaviest
+        )
         regions = bundles.betas.size
         cost = COST * regions * asked.event.max_evals_per_sample
         yield from rounds.make(bundles.drawn, cost, regions * asked.event.dimension)
@@ -155,10 +158,10 @@ class Bundles:
     betas: FloatArray
     led: BoolArray
     closely: bool = True
-    _pf: list[float] = field(default_factory=list)
     _expected: FloatArray = field(init=False)
     _width: FloatArray = field(init=False)
     _hits: IntArray = field(init=False)
+    _traces: dict[int, Traces] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._expected = self.betas.copy()
@@ -168,7 +171,7 @@ class Bundles:
     def drawn(self, number: int) -> Running[Round]:
         """Draw some bundles."""
         high, low, contradicted, largest = np.zeros((4, number))
-        several, share = False, MATTERS * float(np.mean(self._pf)) if self._pf else 0.0
+        several = False
         for k in range(self.betas.size):
             lines, start, of = self._lines(k, number)
             if not len(lines):
@@ -176,11 +179,13 @@ class Bundles:
             inner = self._expected[k] + self._width[k] * np.array([[-1.0, 1.0]])
             inner = np.broadcast_to(inner, (len(lines), 2))
             if self.closely:
-                shares = np.arange(1, CLOSELY + 1) / (CLOSELY + 1)
+                shares = np.arange(CLOSELY) + self.rng.random((len(lines), 1))
                 reach = (lines.last - lines.first)[:, None]
-                inner = np.hstack([inner, lines.first[:, None] + shares * reach])
-            segments = yield from lines.followed(inner)
-            more_low, more_high = yield from lines.checked(segments, share, self.rng)
+                inner = np.hstack([inner, lines.first[:, None] + shares * reach / CLOSELY])
+            traces = yield from lines.followed(inner, earlier=self._traces.get(k))
+            segments = traces.segments
+            more_low, more_high, taught = yield from lines.checked(traces, self.rng)
+            self._traces[k] = taught.joined(self._traces.get(k)).latest()
             mass_low, mass_high = lines.masses(segments, start, np.full(len(lines), np.inf))
             high[of] += mass_high + more_high
             low[of] += mass_low + more_low
@@ -191,7 +196,6 @@ class Bundles:
             self._expect(k, segments.first_failures(len(lines)))
         # decided for the lines after these, so that their estimates stay without bias
         self.closely = several
-        self._pf.extend(high)
         return Round(high, low, contradicted, largest)
 
     def missing(self, pf: float) -> list[str]:
@@ -204,6 +208,15 @@ class Bundles:
             return []
         return [f"lines in {few.sum()} of {few.size} directions hardly meet failures"]
 
+    @property
+    def heaviest(self) -> float:
+        """The largest weight of a run that contradicts a line, in all directions together."""
+        return self.betas.size * 2.0 * self._reach() / math.sqrt(2.0 * math.pi)
+
+    def _reach(self) -> float:
+        """How far out lines are looked at."""
+        return math.sqrt(self.betas.min() ** 2 - 2.0 * math.log(BEYOND / self.betas.size))
+
     def _lines(self, k: int, number: int) -> tuple[Lines, FloatArray, IntArray]:
         """Lines in one direction, where each becomes the direction's own, and their bundles."""
         alpha, beta = self.alphas[k], self.betas[k]
@@ -214,7 +227,7 @@ class Bundles:
             if j != k:
                 deeper = beta - self.betas[j] + base @ self.alphas[j]
                 start = np.maximum(start, deeper / (1.0 - float(self.alphas[j] @ alpha)))
-        reach = math.sqrt(self.betas.min() ** 2 - 2.0 * math.log(BEYOND / self.betas.size))
+        reach = self._reach()
         of = np.flatnonzero(start < reach)
         size = of.size
         first = np.maximum(start[of], -reach)

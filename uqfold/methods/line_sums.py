@@ -34,8 +34,8 @@ beyond the ends of lines."""
 OUTSTANDING = 5.0
 """One line may make so many times the mean of a repetition before it is a doubt, if it makes more
 than a fiftieth of pf."""
-MATTERS = 30.0
-"""Lines are contradicted mostly where so many times pf lies further out."""
+DRIFT = 3.5
+"""So many standard errors apart, earlier and later lines contradict one another."""
 RESERVE = 1.3
 """A round may cost so much more than the rounds before it."""
 
@@ -143,6 +143,8 @@ class Rounds:
         Repetitions where neither of these is given, and no budget.
     lines
         Lines of a repetition that stand for each other.
+    heaviest
+        What one failure that contradicts its line adds to a repetition at most, times these lines.
     done
         The rounds.
     short
@@ -154,6 +156,7 @@ class Rounds:
     target: float | None
     without_a_budget: int
     lines: int = 1
+    heaviest: float = math.inf
     done: list[Round] = field(default_factory=list)
     short: list[str] = field(default_factory=list)
 
@@ -210,8 +213,7 @@ class Rounds:
         """Return how many repetitions to make next; 0: no more."""
         if self._precise():
             return 0
-        # the first lines tell what a line costs
-        number = max(FEWEST if self.made else -(-FEWEST // self.lines), self.made, 2)
+        number = max(FEWEST, self.made)
         most = self.wanted
         if most is None and self.asked.session.max_evals is None and self.target is None:
             most = self.without_a_budget
@@ -226,20 +228,8 @@ class Rounds:
             return False
         return Repetitions(self.together("high"), self.least).most_cov <= self.target
 
-    def answer(
-        self, doubts: list[str], rng: np.random.Generator, most: float = 1.0
-    ) -> Running[Estimate]:
-        """Return the answer; see `combined`. Runs too few for two repetitions go into a count.
-
-        Parameters
-        ----------
-        doubts
-            What is doubtful for reasons that repetitions do not show.
-        rng
-            Source of randomness.
-        most
-            Upper bound on pf where hardly any of them has met failures.
-        """
+    def answer(self, doubts: list[str], rng: np.random.Generator) -> Running[Estimate]:
+        """Return the answer; see `combined`. Runs too few for two repetitions go into a count."""
         few = ["the runs are too few for lines"]
         if self.made < 2 and self.asked.left >= self.asked.event.max_evals_per_sample:
             return (yield from Sample().counted(self.asked, self.target, few, rng))
@@ -256,7 +246,7 @@ class Rounds:
         if low.sum() <= 0.0:
             low = np.zeros_like(low)
         status: Status = "budget_exhausted" if self.short else "converged"
-        above = Repetitions(np.full_like(high, most))
+        above = Repetitions(np.full_like(high, 1.0 if total > 0.0 else self._bound()))
         estimate = combined(
             Repetitions(high, self.least), Repetitions(low, self.least), above, target, status,
             self.short,
@@ -271,7 +261,28 @@ class Rounds:
                 doubts.append(
                     f"{100.0 * contradicted:.0f} % of pf hang on one run that contradicts its line"
                 )
+            doubts += self._drift()
         if doubts:
             message = "; ".join([*doubts, *filter(None, [estimate.message])])
             estimate = replace(estimate, status="doubtful", message=message)
         return estimate
+
+    def _bound(self) -> float:
+        """Bound pf at 95 % where no run of so many lines has failed, those that contradict too."""
+        return min(1.0, self.heaviest * -math.expm1(math.log(0.05) / (self.made * self.lines)))
+
+    def _drift(self) -> list[str]:
+        """Return a doubt where later lines, which know more, find another pf than earlier ones."""
+        for i in range(1, len(self.done)):
+            parts = [
+                Repetitions(np.concatenate([one.high for one in some]), ROUNDING)
+                for some in (self.done[:i], self.done[i:])
+            ]
+            if min(one.values.size for one in parts) < 2:
+                continue
+            earlier, later = parts
+            apart = abs(earlier.mean - later.mean)
+            error = math.hypot(earlier.mean * earlier.cov, later.mean * later.cov)
+            if apart > max(DRIFT * error, HEAVY * later.mean):
+                return ["later lines find what earlier ones overlooked"]
+        return []

@@ -8,7 +8,7 @@ LINE_SAMPLING = Theory(
         "out in all directions, lead to the regions of failure, each with a direction of its own. "
         "Lines run in these directions through random points; along each, the places where the "
         "system passes from working to failing are found by a few runs, and what lies beyond them "
-        "has a normal probability. One more run at a random place of each line keeps the estimate "
+        "has a normal probability. Two more runs at random places of each line keep the estimate "
         "without bias. The stated error is that of the spread of lines."
     ),
     equations=(
@@ -43,8 +43,8 @@ DIRECTIONAL_SAMPLING = Theory(
         "Directional simulation on the whole system, in standard-normal space. Rays from the "
         "origin run in directions that are spread evenly over the sphere and turned at random; "
         "along each, the distances at which the system passes from working to failing are found "
-        "by a few runs, and what lies between them has a probability by the chi distribution. One "
-        "more run at a random place of each ray keeps the estimate without bias. Independent sets "
+        "by a few runs, and what lies between them has a probability by the chi distribution. Two "
+        "more runs at random places of each ray keep the estimate without bias. Independent sets "
         "of rays tell the error."
     ),
     equations=(
