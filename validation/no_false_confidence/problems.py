@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from validation.no_false_confidence.broken import BAD
 from validation.no_false_confidence.hard import Hard
-from validation.no_false_confidence.rough import ROUGH, SEVERAL
+from validation.no_false_confidence.rough import ROUGH, SEVERAL, THIN
 from validation.no_false_confidence.shaped import REAL, SHAPED
 from validation.no_false_confidence.smooth import SMOOTH
 
-PROBLEMS: list[Hard] = [*SMOOTH, *ROUGH, *SEVERAL, *SHAPED, *REAL, *BAD]
+PROBLEMS: list[Hard] = [*SMOOTH, *ROUGH, *SEVERAL, *THIN, *SHAPED, *REAL, *BAD]

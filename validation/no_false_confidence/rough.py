@@ -145,6 +145,64 @@ def beyond_either_side(distance: Array) -> Array:
     return 2.0 * special.ndtr(-np.maximum(distance, 0.0))
 
 
+def ball(radius: float, distance: float, level: float, d: int) -> Hard:
+    """A half-space, and on the other side a ball that holds far more."""
+
+    def response(x: Array) -> Array:
+        away = x + distance * np.eye(d)[0]
+        return np.maximum(x[:, 0] - level, radius - np.sqrt((away**2).sum(axis=1)))
+
+    return Hard(
+        f"half-space, and a ball of {radius:g} at {distance:g}, {d} inputs", "hidden region", d,
+        response, 0.0,
+        lambda: tail(level) + float(stats.ncx2.cdf(radius**2, d, distance**2)),
+    )  # fmt: skip
+
+
+def ring(radius: float, half: float) -> Hard:
+    """A thin ring."""
+    return Hard(
+        f"ring {2.0 * half:g} wide at {radius:g}", "thin band", 2,
+        lambda x: half - np.abs(np.hypot(x[:, 0], x[:, 1]) - radius), 0.0,
+        lambda: math.exp(-0.5 * (radius - half) ** 2) - math.exp(-0.5 * (radius + half) ** 2),
+    )  # fmt: skip
+
+
+def ridge(width: float) -> Hard:
+    """A ridge that brings a limit state nearer along a strip."""
+    return given(
+        f"ridge {width:g} wide", "sharp", 3.2,
+        lambda u: 2.0 * np.exp(-(((u - 2.0) / width) ** 2)), [1.0],
+    )  # fmt: skip
+
+
+def slab(half: float, distance: float, level: float) -> Hard:
+    """A half-space, and a thin slab of another input."""
+    share = tail(distance - half) - tail(distance + half)
+    return Hard(
+        f"half-space, and a slab {2.0 * half:g} wide at {distance:g}", "thin band", 3,
+        lambda x: np.maximum(x[:, 0] - level, half - np.abs(x[:, 1] - distance)), 0.0,
+        lambda: truths.either(tail(level), share),
+    )  # fmt: skip
+
+
+THIN = [
+    ball(0.5, 2.5, 3.2, 3), ball(1.2, 3.0, 4.0, 6), ball(0.3, 1.5, 3.0, 2), ring(3.5, 0.1),
+    ridge(0.1), ridge(0.5), slab(0.05, 2.5, 3.0), slab(0.05, 4.0, 3.5),
+    given(
+        "wedge of -inf", "infinite runs", 4.0, lambda u: np.where(u < 2.0, u, -np.inf), [1.0],
+        breaks=[2.0],
+    ),
+    given("a sine of 8 u", "sharp", 3.2, lambda u: np.sin(8.0 * u), [1.0]),
+    Hard(
+        "stairs that stop at the limit", "steps", 2,
+        lambda x: np.floor(2.0 * x[:, 0] + x[:, 1]) / 2.0, 3.0, lambda: tail(7.0 / math.sqrt(5.0)),
+    ),
+    given("two crests, T = 4.5", "two regions", 4.5, lambda u: -0.6 * (np.abs(u) - 2.0) ** 2 + 2.0,
+          [1.0], breaks=[0.0]),
+]  # fmt: skip
+
+
 SEVERAL = [
     square(9.0, 1), square(16.0, 4), four(3.0), two_sides(3.5, 3.0, 6),
     Hard(
