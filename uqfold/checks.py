@@ -36,6 +36,8 @@ P = ParamSpec("P")
 LARGEST_WHOLE = 2**63 - 1
 """No whole number without another bound is larger, so that it fits into an array."""
 
+_FEW = 20
+"""More options are not listed where it is clear which one is meant."""
 _LONGEST = 400
 """Characters of a text that comes from elsewhere, such as the error of a model."""
 # control characters, halves of surrogate pairs, and what turns the direction of writing
@@ -187,7 +189,7 @@ def choice(name: str, value: object, options: Iterable[T]) -> T:
     if isinstance(simple, str):
         names = [option for option in offered if isinstance(option, str)]
         if meant := get_close_matches(simple.lower().replace("_", "-"), names, n=1):
-            remedy = f"did you mean {meant[0]!r}? {remedy}"
+            remedy = f"did you mean {meant[0]!r}? {remedy if len(offered) <= _FEW else ''}".rstrip()
     raise refused(name, value, remedy, ValueError if right_kind else TypeError)
 
 

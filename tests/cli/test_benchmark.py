@@ -46,6 +46,20 @@ def test_what_the_limit_of_time_ended_is_said(capsys: pytest.CaptureFixture[str]
     assert re.search(r"\nended by --max-seconds, \d of 2 answers: mc 1", said)
 
 
+def test_a_narrow_terminal_and_programs_get_what_they_can_read(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["--method", "openturns-form", "--problem", "rp8", "--report", "league.md"]
+    monkeypatch.setenv("COLUMNS", "60")
+    assert run(*words) == 0
+    said = capsys.readouterr().out
+    assert max(map(len, said.partition("\n\n")[0].splitlines())) <= 60
+    assert "no room for: " in said
+    assert run(*words, "--json") == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert (row["label"], row["questions"], row["bias"]) == ("openturns-form", 1, None)
+
+
 def test_what_was_interrupted_is_kept_and_how_to_go_on_is_said(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

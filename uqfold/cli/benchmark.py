@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uqfold.cli.compare import Words, say, stdout_console
-from uqfold.cli.invocation import Invocation, flag, option, usage
+from uqfold.cli.invocation import AsJson, Invocation, flag, option, say_json, usage
 from uqfold.cli.streams import EXIT_INTERRUPTED, os_error_text, shown_path
 from uqfold.writing import check_writable
 
@@ -30,6 +32,19 @@ Examples:
   uqfold benchmark --problem mine.py:problem --max-evals 1e5 --out results
   uqfold benchmark --method auto,mine.py:methods --report league.md
 """
+
+_MAY_GO = (
+    "p",
+    "bias",
+    "covered",
+    "clean",
+    "rms error",
+    "evaluations",
+    "no answer",
+    "time",
+    "right",
+)
+"""Columns that are left out where there is no room, one after the other."""
 
 
 def benchmark_methods(
@@ -64,6 +79,7 @@ def benchmark_methods(
     quiet: Annotated[
         bool, flag("--quiet", "Print nothing but errors; the files are written.")
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Compare methods on many problems."""
     from rich.console import Console
@@ -71,6 +87,8 @@ def benchmark_methods(
     from uqfold.cli.words import listed
     from uqfold.comparison.benchmark_rows import ROWS_NAME
     from uqfold.comparison.benchmark_run import benchmark
+    from uqfold.comparison.form import encoded
+    from uqfold.comparison.league import league_table
     from uqfold.evaluation import Dask
     from uqfold.methods.arguments import checked_budget
     from uqfold.provenance import shown_command
@@ -114,9 +132,17 @@ def benchmark_methods(
         say(f"interrupted: {done} of {asked} answers are kept in {shown_path(out / ROWS_NAME)}; "
             f"to go on: {shlex.join(['uqfold', *invocation.words])}")  # fmt: skip
         raise typer.Exit(EXIT_INTERRUPTED) from None
-    console = stdout_console(quiet=quiet)
-    for line in joined(text_columns(league_cells(frame))):
+    console, cells = stdout_console(quiet=quiet or as_json), league_cells(frame)
+    if as_json:
+        say_json(encoded(league_table(frame).to_dict("records")))
+    # a file has room for all
+    narrow = console.is_terminal or "COLUMNS" in os.environ
+    columns = text_columns(cells, (), console.width if narrow else math.inf, _MAY_GO)
+    for line in joined(columns):
         console.print(line, soft_wrap=True)
+    if left_out := [name for name in cells.columns if name not in columns]:
+        said = f"no room for: {', '.join(left_out)} (on the page they are)"
+        console.print(f"\n{said}", highlight=False, markup=False, soft_wrap=True)
     for text in _cut_short(frame):
         console.print(f"\n{text}", highlight=False, markup=False, soft_wrap=True)
     written = usage(benchmark_page(frame, command).write, page)
