@@ -366,6 +366,10 @@ def calls(folder: Path) -> dict[str, Call]:
         "Problem.with_moments": Call(
             problem.with_moments, {"means": moments, "standard_deviations": moments}
         ),
+        "ReliabilityResult.to_openturns": Call(
+            methods.MonteCarlo(systems=50).estimate(problem, criteria, rng=0).to_openturns,
+            {"event": optional(thing(None))},
+        ),
         "ReliabilityMethod.estimate": Call(cheap.estimate, {**of, **run}),
         "ReliabilityMethod.supports": Call(
             cheap.supports, {"problem": at, "criterion": thing(criterion)}
