@@ -300,6 +300,14 @@ def test_damage_is_an_error_or_costs_runs_but_never_gives_a_wrong_number(path: P
             Evaluator(store=store).open(models.problem(), None).evaluate(x)
 
 
+def test_damage_that_sqlite_cannot_put_into_words_is_an_error_too(path: Path) -> None:
+    """Its message would quote a name in the file that is no text any more."""
+    Store(path).close()
+    path.write_bytes(path.read_bytes().replace(b"UNIQUE", b"\xd3NIQUE"))
+    with pytest.raises(StoreError, match="is damaged"):
+        Store(path)
+
+
 def test_store_errors_are_no_status_of_a_method(path: Path) -> None:
     evaluator = Evaluator(store=path)
     assert isinstance(evaluator.store, Store)

@@ -44,6 +44,8 @@ CREATE TABLE responses (
     checksum BLOB NOT NULL
 )
 """
+_FAILURES = (sqlite3.Error, UnicodeDecodeError)
+"""What SQLite raises; the second where the text of its error quotes a damaged file."""
 
 
 def entry_key(identity: bytes, x: FloatArray) -> bytes:
@@ -97,7 +99,7 @@ class Store:
             self._connection = sqlite3.connect(
                 self.path, timeout=BUSY_SECONDS, isolation_level=None, check_same_thread=False
             )
-        except sqlite3.Error as error:
+        except _FAILURES as error:
             raise self._failure(error) from error
         try:
             self._prepare()
@@ -135,7 +137,7 @@ class Store:
                 for key, n in zip(keys, rows, strict=True):
                     entry = self._connection.execute(query, (key,)).fetchone()
                     found.append(None if entry is None else self._checked(key, n, *entry))
-            except sqlite3.Error as error:
+            except _FAILURES as error:
                 raise self._failure(error) from error
         return found
 
@@ -162,7 +164,7 @@ class Store:
             except BaseException as error:
                 with suppress(sqlite3.Error):
                     self._connection.execute("ROLLBACK")
-                if isinstance(error, sqlite3.Error):
+                if isinstance(error, _FAILURES):
                     raise self._failure(error) from error
                 raise
 
@@ -172,7 +174,7 @@ class Store:
             self._check_process()
             try:
                 (count,) = self._connection.execute("SELECT sum(rows) FROM responses").fetchone()
-            except sqlite3.Error as error:
+            except _FAILURES as error:
                 raise self._failure(error) from error
         return int(count or 0)
 
@@ -222,7 +224,7 @@ class Store:
             # a commit has to outlive a loss of power
             self._connection.execute("PRAGMA synchronous = FULL")
             self._connection.execute("SELECT key FROM responses LIMIT 1").fetchone()
-        except sqlite3.Error as error:
+        except _FAILURES as error:
             raise self._failure(error) from error
 
     def _is_new(self) -> bool:
@@ -251,8 +253,9 @@ class Store:
                 f"{self.path} was opened by another process: open it here with Store(path)"
             )
 
-    def _failure(self, error: sqlite3.Error) -> StoreError:
-        name = getattr(error, "sqlite_errorname", "")
+    def _failure(self, error: Exception) -> StoreError:
+        damaged = "SQLITE_CORRUPT" if isinstance(error, UnicodeDecodeError) else ""
+        name = getattr(error, "sqlite_errorname", damaged)
         changed = (
             "another program has changed it: put back a copy of the file, or give another path"
         )
