@@ -213,7 +213,8 @@ class Rounds:
         """Return how many repetitions to make next; 0: no more."""
         if self._precise():
             return 0
-        number = max(FEWEST, self.made)
+        # the first lines tell what a line costs
+        number = max(FEWEST if self.made else -(-FEWEST // self.lines), self.made, 2)
         most = self.wanted
         if most is None and self.asked.session.max_evals is None and self.target is None:
             most = self.without_a_budget
