@@ -14,6 +14,7 @@ extensions = [
 ]  # fmt: skip
 html_theme = "furo"
 html_title = "uqfold"
+html_show_copyright = False
 html_static_path = ["site"]
 html_css_files = ["site.css"]
 html_math_renderer = "mathml"
@@ -23,8 +24,8 @@ myst_heading_anchors = 3
 napoleon_use_ivar = True
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
-# links to reports and records outside this folder; attributes of one name in several classes
-suppress_warnings = ["myst.xref_missing", "ref.python"]
+# attributes of one name in several classes
+suppress_warnings = ["ref.python"]
 
 
 def setup(app: Any) -> None:

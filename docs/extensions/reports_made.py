@@ -15,6 +15,7 @@ COPIES = "made"
 PAPER = "paper"
 _NAMED = re.compile(r"\b[Tt]he paper\b")
 _TO_REPORT = re.compile(r"\]\((?:\.\./)+((?:studies|validation)/[\w/-]*report\.md)")
+_ANCHOR = re.compile(r'<a id="([\w-]+)"></a>')
 _TO_PAGE = re.compile(r"\]\((?:\.\./)+docs/")
 
 
@@ -31,7 +32,7 @@ def copied(docs: Path) -> None:
     for report in [*docs.parent.glob("studies/*/report.md"), docs.parent / "validation/report.md"]:
         place = docs / COPIES / report.parent.relative_to(docs.parent)
         place.mkdir(parents=True)
-        text = report.read_text(encoding="utf-8")
+        text = _ANCHOR.sub(r"(\1)=", report.read_text(encoding="utf-8"))
         (place / report.name).write_text(f"---\norphan: true\n---\n\n{text}", encoding="utf-8")
         if (report.parent / "figures").is_dir():
             shutil.copytree(report.parent / "figures", place / "figures")
