@@ -357,7 +357,7 @@ class TestCost:
         assert details.n_evals_start == 7
         assert result.n_evals == 7 + sum(p.n_evals for p in details.design_points)
         # a linear response: per threshold two gradients and both looks, no more
-        assert all(p.n_evals <= 7 + 7 + 4 * 3 + 85 + 16 for p in details.design_points)
+        assert all(p.n_evals <= 7 + 7 + 4 * 3 + 95 + 16 for p in details.design_points)
 
     @pytest.mark.parametrize("budget", [*range(1, 30), 40, 60, 80, 100])
     def test_budget_is_kept(self, budget: int) -> None:
@@ -560,6 +560,16 @@ def test_a_kink_further_out_than_curvature_is_seen(
     place = beta - slope * np.maximum(np.abs(v) - begins, 0.0)
     right = np.trapezoid(np.exp(-0.5 * v**2) / math.sqrt(2.0 * math.pi) * ndtr(-place), v)
     assert row.status == "doubtful" or abs(row.pf - right) < 3.0 * row.std_error
+
+
+def test_a_band_that_ends_behind_the_design_point_is_doubted() -> None:
+    """FORM believed all that lies beyond its plane, twice the band."""
+    band = limit_state(lambda x: np.abs(x.sum(axis=1) / math.sqrt(5.0) - 3.2) - 0.1, 5)
+    row = OpenTURNSFORM().estimate(band)[0]
+    assert row.status == "doubtful"
+    whole = limit_state(lambda x: 3.1 - x.sum(axis=1) / math.sqrt(5.0), 5)
+    half = OpenTURNSFORM().estimate(whole)[0]
+    assert half.status == "converged"
 
 
 def test_the_target_decides_what_is_converged() -> None:

@@ -59,6 +59,8 @@ FURTHEST_SHARE = 1e-3
 """Share of the probability from which a domain of failure on another ray counts."""
 CANCELLED = 0.25
 """Share of curvatures of opposite signs that is stated as an error, though they cancel."""
+BEHIND = 10
+"""Points straight behind the design point, each for a tenth of what lies beyond its plane."""
 HALVINGS = 6
 """Of a ray, to tell where failure begins."""
 
@@ -128,7 +130,7 @@ class Surroundings:
     def second_look(self) -> SecondLook:
         """Look along the normal and in every tangent direction.
 
-        Takes 53 + 4 (d - 1) runs, 12 + d (d - 1) more up to ten inputs (2 in two), twelve beyond;
+        Takes 63 + 4 (d - 1) runs, 12 + d (d - 1) more up to ten inputs (2 in two), twelve beyond;
         and 2 d + 5 on other rays.
 
         Raises
@@ -164,7 +166,7 @@ class Surroundings:
         return SecondLook(
             second_order=math.exp(max((net + unknown for net, _ in orders), key=abs)),
             curvature=max(sizes for _, sizes in orders) + unknown,
-            place=self.rate * place + 0.5 * self.rate**2 * float(slant) + outside,
+            place=self.rate * place + 0.5 * self.rate**2 * float(slant) + outside + self._behind(),
             sampled=self._sampled(),
             elsewhere=self.elsewhere(),
         )
@@ -178,6 +180,15 @@ class Surroundings:
         if not 0.5 < slope < 2.0:
             return math.inf
         return float((abs(here) + 0.5 * abs(ahead + back - 2.0 * here)) / slope)
+
+    def _behind(self) -> float:
+        """Return what is changed by points straight behind the design point that work again."""
+        from scipy.special import ndtr, ndtri
+
+        shares = (np.arange(BEHIND) + 0.5) / BEHIND
+        depths = np.minimum(-ndtri(shares * ndtr(-self.radius)), SEARCH_RADIUS)
+        works = float((self.margin(depths[:, None] * self.towards) < 0.0).mean())
+        return -math.log1p(-works) if works < 1.0 else math.inf
 
     def _slanted(self, k: int) -> FloatArray:
         """Unit vectors (k + SLANTED, k): the k tangents themselves, and directions among them."""
