@@ -46,7 +46,7 @@ def pf_of_storm(units: int = 2) -> float:
     return sum(w * -math.expm1(units * math.log1p(-q)) for w, q in zip((0.9, 0.1), p, strict=True))
 
 
-ANEW = "cracks is discrete, and another one for every unit and mission"
+ANEW = "cracks is discrete, and drawn anew for every unit and mission"
 
 
 @pytest.mark.parametrize("name", available())
@@ -60,7 +60,7 @@ def test_every_method_is_right_or_says_why_not(name: str) -> None:
     problem = uqfold.Problem(counted, inputs=storm().inputs, units=2, low_fidelity=_coarse)
     row = build(name).estimate(problem, THRESHOLD, max_evals=RUNS, rng=1)[0]
     if row.status == "unsupported":
-        assert row.message == f"{name} needs continuous inputs, and {ANEW}"
+        assert row.message == f"{name} needs continuous inputs: {ANEW}"
         assert not asked
         assert not available()[name].inputs_may_step
         return
@@ -139,6 +139,8 @@ def test_a_doubt_for_one_value_is_one_of_the_sum_unless_the_value_is_too_rare() 
     assert half.status == "doubtful"
     assert half.pf == pytest.approx(0.5 * ndtr(-1.0), rel=1e-6)
     assert "gust = 0: no run out of" in half.message
+    assert math.isnan(half.ci_low)
+    assert math.isnan(half.ci_high)
     calm = asked(1.0 - 1e-4)
     assert calm.status == "converged"
     assert calm.ci_high >= calm.pf + 1e-4
@@ -183,7 +185,10 @@ def test_seeds_budgets_and_sessions_are_kept() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"individual": {"a": poisson(2.0), "b": poisson(1.0)}}, "a is discrete, like all others"),
+        (
+            {"individual": {"a": poisson(2.0), "b": poisson(1.0)}},
+            "a is discrete, and so are all others",
+        ),
         (
             {"individual": {"a": poisson(200.0), "b": normal(0, 1)}},
             "a takes more than 50 values",
@@ -211,7 +216,7 @@ def test_what_cannot_be_held_is_told(options: dict[str, Any], message: str) -> N
     problem = uqfold.Problem(lambda x: x.sum(axis=1), **options)
     row = OpenTURNSFORM().estimate(problem, 3.0)[0]
     assert row.status == "unsupported"
-    assert row.message == f"openturns-form needs continuous inputs, and {message}"
+    assert row.message == f"openturns-form needs continuous inputs: {message}"
     assert uqfold.methods.MonteCarlo().estimate(problem, 3.0, max_evals=100, rng=1)[0].pf >= 0.0
 
 

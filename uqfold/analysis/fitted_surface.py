@@ -137,7 +137,8 @@ def fit_surfaces(
     result = method.estimate(problem, criteria, max_evals=max_evals, rng=rng, evaluator=evaluator)
     details = result.details
     if not isinstance(details, KrigingDetails | PolynomialChaosDetails):
-        why = next((row.message for row in result if row.status in NO_ANSWER), "no surface")
+        said = [row.message for row in result if row.status in NO_ANSWER] or [result[0].message]
+        why = said[0] or "no surface"
         raise NoSurfaceError(f"{method.name} gave no surface: {why}")
     of_kinds = [details, *details.of_other_kinds]
     finite = sum(one.cross_validation.residuals.size for one in of_kinds)

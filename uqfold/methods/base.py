@@ -220,7 +220,7 @@ class ReliabilityMethod(ABC):
         if criterion.tau is not None and not isinstance(structure, Series):
             return f"tau compares all units of a mission: it needs Series(), not {structure}"
         if isinstance(held := self._held(problem, [criterion]), str):
-            return f"{self.name} needs continuous inputs, and {held}"
+            return f"{self.name} needs continuous inputs: {held}"
         try:
             SystemUnits.of(problem)
         except ValueError as error:

@@ -137,7 +137,7 @@ def _summed(held: HeldValues, told: Sequence[Estimate]) -> Estimate:
         works + held.neglected + unknown,
         std_error=math.hypot(*errors) if kind == "sampling" else math.fsum(errors),
         ci_low=low,
-        ci_high=min(1.0, high),
+        ci_high=high if math.isnan(high) else min(1.0, high),
         ci_kind="sum over values, 95 % each" if math.isfinite(high - low) else "",
         pf_low=None if bounds is None else bounds[0],
         pf_high=None if bounds is None else bounds[1] + unknown,
@@ -157,8 +157,8 @@ def _reliability(estimate: Estimate) -> float:
 
 
 def _interval(estimate: Estimate) -> tuple[float, float]:
-    """Return the interval of an answer, by its standard error if it has no other."""
-    if math.isfinite(estimate.ci_high - estimate.ci_low):
-        return estimate.ci_low, estimate.ci_high
+    """Return the interval of an answer, by its standard error if it has no other; or NaN."""
     wide = NORMAL_95 * estimate.std_error
+    if math.isfinite(estimate.ci_high - estimate.ci_low) or math.isnan(wide):
+        return estimate.ci_low, estimate.ci_high
     return max(0.0, estimate.pf - wide), min(1.0, estimate.pf + wide)

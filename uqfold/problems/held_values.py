@@ -64,7 +64,7 @@ def held_values(problem: Problem, criteria: Sequence[Criterion], most: int) -> H
         return f"{name} is discrete, in units with models or inputs of their own"
     columns = [i for i, one in enumerate(inputs.columns) if one.steps]
     if len(columns) == inputs.dimension:
-        return f"{name} is discrete, like all others"
+        return f"{name} is discrete, and so are all others"
     linked = {column for part in inputs.parts.dependent for column in part.columns}
     alone = problem.n_units == 1 and all(one.missions == 1 for one in criteria)
     tables, neglected = [], 0.0
@@ -75,14 +75,15 @@ def held_values(problem: Problem, criteria: Sequence[Criterion], most: int) -> H
         if i in linked:
             return f"{inputs.names[i]} is discrete and depends on others"
         if i >= inputs.n_shared and not alone:
-            return f"{inputs.names[i]} is discrete, and another one for every unit and mission"
+            return f"{inputs.names[i]} is discrete, and drawn anew for every unit and mission"
         if len(values) > len(order) > most or abs(float(p.sum()) - 1.0) > _NEGLECTED:
             return f"{inputs.names[i]} takes more than {most} values"
         neglected += float(p.sum() - p[order].sum())
         tables.append((values[order], p[order]))
     count = int(np.prod([len(values) for values, _ in tables]))
     if count > most:
-        return f"{', '.join(inputs.names[i] for i in columns)} take {count} values, at most {most}"
+        named = ", ".join(inputs.names[i] for i in columns)
+        return f"{named} take {count} values together, {most} are the most"
     rows = np.array(list(product(*(values for values, _ in tables))))
     p = np.array([np.prod(one) for one in product(*(p for _, p in tables))])
     likely = np.argsort(p, kind="stable")
