@@ -313,3 +313,25 @@ def test_a_copy_keeps_its_references_until_it_asks_something_else(
     assert replace(problem, inputs=other).references is None
     assert replace(problem, structure=Parallel()).references is None
     assert replace(problem, model=np.sum).references is None
+
+
+def test_the_digest_of_a_system_tells_what_is_not_the_model() -> None:
+    """The same for the same, in another process too; another for other inputs, units, structure."""
+    base = series()
+    others = [
+        replace(base, units=3),
+        replace(base, structure=Parallel()),
+        base.with_moments(means={"X2": 1.3}),
+        Problem(base.model, inputs=base.inputs.distribution, shared=["X1", "X2"], units=4),
+        replace(base, units=[Unit(offset=0.5), Unit(), Unit(), Unit()]),
+        *(correlated_pair(r) for r in (0.3, 0.4)),
+    ]
+    digests = [base.system_digest, *(one.system_digest for one in others)]
+    assert len(set(digests)) == len(digests)
+    assert series().system_digest == replace(base, name="other").system_digest == digests[0]
+
+
+def correlated_pair(r: float) -> Problem:
+    marginals = [ot.Normal(), ot.Normal()]
+    joint = ot.JointDistribution(marginals, ot.NormalCopula(ot.CorrelationMatrix([[1, r], [r, 1]])))
+    return Problem(series().model, inputs=joint)

@@ -328,12 +328,9 @@ class Problem:
     @property
     def system_digest(self) -> str:
         """Digest of what makes the system besides the model: inputs, units, structure."""
-        joint = self.inputs
-        columns = [column for inputs in self.kinds.inputs for column in inputs.columns]
-        own: list[Any] = [str(column) for column in columns]
-        # of many values the text tells the first and the last one
-        own += [one.tolist() for column in columns for one in column.atoms if one.size]
-        units = None if self.kinds.of_units is None else self.kinds.of_units.tolist()
+        kinds, joint = self.kinds, self.inputs
+        own = [([*map(str, one.columns)], repr(one.parts.dependent)) for one in kinds.inputs]
+        units = [None if one is None else one.tolist() for one in (kinds.of_units, kinds.offsets)]
         parts = (joint.names, joint.n_shared, own, self.n_units, units, repr(self.structure))
         return hashlib.blake2b(repr(parts).encode(), digest_size=8).hexdigest()
 
