@@ -6,7 +6,7 @@ import sys
 from collections import Counter
 from dataclasses import fields
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -20,6 +20,7 @@ PAGES = [
 ]  # fmt: skip
 sys.path.append(str(DOCS / "extensions"))
 method_pages = importlib.import_module("method_pages")
+reports_made = importlib.import_module("reports_made")
 
 
 @pytest.mark.parametrize("name", built_in())
@@ -88,3 +89,28 @@ def test_links_between_pages_lead_somewhere() -> None:
     ]
     assert broken == []
     assert sum(len(linked(page)) for page in PAGES) > 100
+
+
+def test_the_paper_is_cited_in_full_where_it_is_named() -> None:
+    citation = reports_made.cited(DOCS)
+    assert citation.startswith("Reliability assessment of folding wing system deployment")
+    app = SimpleNamespace(srcdir=DOCS)
+    pages = ["The paper says so.", "Paper is patient.", "See [it](../../studies/a/report.md)."]
+    sources = [[page] for page in pages]
+    for source in sources:
+        reports_made._changed(app, "methods/mc", source)
+    assert sources[0][0].endswith(f"*[The paper](../paper.md)*: {citation}\n")
+    assert sources[1:] == [[pages[1]], ["See [it](../made/studies/a/report.md)."]]
+
+
+def test_reports_are_copied_with_their_figures_and_anchors(tmp_path: Path) -> None:
+    for place in ("studies/one/figures", "validation", "docs"):
+        (tmp_path / place).mkdir(parents=True)
+    (tmp_path / "studies/one/figures/a.png").touch()
+    for place in ("studies/one", "validation"):
+        (tmp_path / place / "report.md").write_text('# Report\n\n<a id="case-x"></a>\n')
+    reports_made.copied(tmp_path / "docs")
+    reports_made.copied(tmp_path / "docs")
+    made = tmp_path / "docs/made"
+    assert (made / "studies/one/figures/a.png").is_file()
+    assert (made / "validation/report.md").read_text().endswith("# Report\n\n(case-x)=\n")
