@@ -108,7 +108,7 @@ def test_the_chain_rule_goes_through_any_input_and_copula() -> None:
 
     without = SORM().estimate(uqfold.Problem(strain, inputs=joint), 12.0)[0]
     given = SORM().estimate(uqfold.Problem(strain, inputs=joint, gradient=slopes), 12.0)[0]
-    assert "gradient" not in given.message
+    assert "differences" not in given.message
     assert given.pf == pytest.approx(without.pf, rel=0.02)
 
 
@@ -121,7 +121,7 @@ def test_of_a_limit_state_it_is_that_of_g() -> None:
     )
     row = SORM().estimate(problem)[0]
     assert row.status == "converged"
-    assert row.message == ""
+    assert re.fullmatch(r"\d+ gradients beside the runs", row.message)
 
 
 def test_it_stays_with_the_problem_and_units_of_another_model_have_none() -> None:

@@ -385,6 +385,14 @@ class ReliabilityMethod(ABC):
             else Estimate.without_answer("unsupported", reason)
             for reason in run.reasons
         ]
+        if session.n_gradients > 0:
+            beside = f"{session.n_gradients:,} gradients beside the runs"
+            estimates = [
+                one
+                if one.status == "unsupported"
+                else replace(one, message="; ".join(filter(None, [one.message, beside])))
+                for one in estimates
+            ]
         cost = RunCost(
             n_evals=session.n_evals,
             n_reused=session.n_reused,
