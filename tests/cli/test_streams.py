@@ -43,6 +43,7 @@ def refused(capsys: pytest.CaptureFixture[str], words: str) -> str:
     return " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.thorough
 def test_a_full_standard_output_is_told_and_the_work_is_kept(tmp_path: Path) -> None:
     done = shell(tmp_path, f"uqfold {COMPARE} > /dev/full")
     assert done.returncode == 2

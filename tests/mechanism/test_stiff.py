@@ -79,6 +79,7 @@ def test_a_motion_that_none_can_follow_is_cut_short_with_a_warning(implicit):
     assert steps <= MAX_STIFF_STEPS + COARSE_STEPS + 3
 
 
+@pytest.mark.thorough
 def test_times_are_those_of_explicit_steps_with_more_patience():
     patient = explicit_time(LOCKING, tolerance=1e-7, max_steps=20 * MAX_STEPS)
     assert 0 < patient < LOCKING.t_max

@@ -42,7 +42,7 @@ def test_a_default_design_has_five_runs_for_each_of_many_inputs(method: Reliabil
 @pytest.mark.parametrize(
     "method",
     [
-        Kriging(target_cov=2e-3),
+        pytest.param(Kriging(target_cov=2e-3), marks=pytest.mark.thorough),
         PolynomialChaos(target_cov=0.05),
         pytest.param(ActiveKriging(target_cov=1.2e-3), marks=pytest.mark.thorough),
     ],

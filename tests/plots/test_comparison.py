@@ -218,8 +218,8 @@ def test_names_of_any_length_and_signs_are_drawn(tmp_path: Path) -> None:
     methods = {"a $name that no figure has room for, and no mathematics": Told(), "b$_": Told()}
     for grid in (SHORT, criteria(12.0)):
         own = frame(grid, methods)
-        plots.save(plots.comparison(own), tmp_path / "names")
-        plots.save(plots.error_against_evaluations(own), tmp_path / "names")
+        plots.save(plots.comparison(own), tmp_path / "names", ["svg"])
+        plots.save(plots.error_against_evaluations(own), tmp_path / "names", ["svg"])
 
 
 def test_rows_without_answer_leave_gaps(whole: pd.DataFrame) -> None:
