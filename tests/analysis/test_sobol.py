@@ -9,7 +9,7 @@ import pytest
 
 from uqfold import Problem
 from uqfold.analysis import SobolIndices, chaos_sobol, pick_freeze
-from uqfold.analysis.sobol import ALL_SHARED
+from uqfold.analysis.sobol_rows import ALL_SHARED
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import normal
 from uqfold.methods import PolynomialChaos

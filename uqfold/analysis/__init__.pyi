@@ -22,12 +22,8 @@ from uqfold.analysis.pf_derivatives import (
     PfDerivative as PfDerivative,
     PfDerivatives as PfDerivatives,
 )
-from uqfold.analysis.sobol import (
-    SobolIndex as SobolIndex,
-    SobolIndices as SobolIndices,
-    chaos_sobol as chaos_sobol,
-    pick_freeze as pick_freeze,
-)
+from uqfold.analysis.sobol import chaos_sobol as chaos_sobol, pick_freeze as pick_freeze
+from uqfold.analysis.sobol_rows import SobolIndex as SobolIndex, SobolIndices as SobolIndices
 from uqfold.analysis.verification import (
     Verification as Verification,
     verify as verify,

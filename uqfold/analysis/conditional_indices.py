@@ -24,16 +24,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uqfold.analysis.affordable import check_affordable
-from uqfold.analysis.sobol import (
-    SobolIndices,
+from uqfold.analysis.exchanged_columns import (
     checked_samples,
     frozen_rows,
-    labelled_rows,
     responses_with_variance,
     saltelli,
     standard_pairs,
-    student_quantile,
 )
+from uqfold.analysis.sobol_rows import SobolIndices, labelled_rows, student_quantile
 from uqfold.checks import whole
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs

@@ -1,7 +1,7 @@
 """Sobol' indices of the response: which inputs its variance comes from.
 
 Two routes that share nothing. A polynomial chaos expansion has the indices among its coefficients.
-Pick-freeze sampling (Saltelli et al. 2010) runs the model itself on two independent samples A and
+Pick-freeze sampling (`exchanged_columns`) runs the model itself on two independent samples A and
 B and on A with one column of B after the other; scrambled repetitions give its error. Where there
 are several shared inputs, they also have one index together: the correlation of the responses of
 two units of one system.
@@ -12,8 +12,6 @@ warning says it; `conditional_sobol` has the indices that do not.
 
 References
 ----------
-Saltelli A. et al. Variance based sensitivity analysis of model output. Design and estimator for the
-total sensitivity index. Comput. Phys. Commun. 181 (2010) 259-270.
 Sudret B. Global sensitivity analysis using polynomial chaos expansions. Reliab. Eng. Syst. Saf.
 93 (2008) 964-979.
 """
@@ -23,24 +21,27 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from uqfold.algebra import one_blas_thread
 from uqfold.analysis.affordable import check_affordable
+from uqfold.analysis.exchanged_columns import (
+    checked_samples,
+    frozen_rows,
+    responses_with_variance,
+    saltelli,
+    standard_pairs,
+)
 from uqfold.analysis.fitted_surface import fit_surface
-from uqfold.checks import instance, or_none, refused, whole
-from uqfold.evaluation import EvaluationSession, Evaluator
+from uqfold.analysis.sobol_rows import SobolIndices, labelled_rows, student_quantile
+from uqfold.checks import instance, or_none, whole
+from uqfold.evaluation import Evaluator
 from uqfold.inputs import JointInputs
 from uqfold.methods.arguments import checked_budget, checked_evaluator, checked_unit
 from uqfold.methods.polynomial_chaos import PolynomialChaos
-from uqfold.methods.result import ErrorKind
 from uqfold.methods.seeding import RandomSource, block_generator, reduced_seed
-from uqfold.methods.tabular import Tabular
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.problems.structure import Series
@@ -48,77 +49,9 @@ from uqfold.problems.units import UnitKinds
 from uqfold.surrogates.polynomial_chaos import PolynomialChaosExpansion
 from uqfold.typing import FloatArray
 
-if TYPE_CHECKING:
-    pass
-
-Order: TypeAlias = Literal["main", "total"]
-
 PICK_FREEZE = "pick-freeze"
-ALL_SHARED = "all shared inputs"
-"""What the group index is called."""
 _DRAWS, _DRAWN_SAMPLES = 40, 2048
 _STREAM = 11
-
-
-@dataclass(frozen=True)
-class SobolIndex:
-    """One index.
-
-    Attributes
-    ----------
-    input
-        Name of the input, or `ALL_SHARED`. Where inputs are dependent, the variable of the
-        Rosenblatt transformation: "L given D".
-    shared
-        Whether it is shared by the units.
-    order
-        ``main``: share of the variance by this input alone; ``total``: with its interactions.
-    index, std_error
-        The index and its standard error.
-    ci_low, ci_high
-        Interval of 95 %.
-    error_kind
-        What the error covers: ``sampling`` or ``surrogate``.
-    method
-        ``pick-freeze``, ``pce`` or ``conditional``.
-    """
-
-    input: str
-    shared: bool
-    order: Order
-    index: float
-    std_error: float
-    ci_low: float
-    ci_high: float
-    error_kind: ErrorKind
-    method: str
-
-
-@dataclass(frozen=True, repr=False)
-class SobolIndices(Tabular[SobolIndex]):
-    """Indices of all inputs, main ones first, then that of all shared inputs, then total ones.
-
-    Attributes
-    ----------
-    rows
-        One `SobolIndex` each.
-    mean, std
-        Mean and standard deviation of the response, in its unit.
-    n_evals, n_reused
-        Evaluations behind them, and how many came from a store.
-    seconds, seed
-        Wall time (s), and the seed that repeats the run.
-    """
-
-    rows: tuple[SobolIndex, ...]
-    mean: float
-    std: float
-    n_evals: int
-    n_reused: int
-    seconds: float
-    seed: int
-
-    _SHOWN = ("input", "order", "index", "std_error", "ci_low", "ci_high", "error_kind", "method")
 
 
 def pick_freeze(
@@ -266,38 +199,6 @@ def _one_unit(problem: Problem) -> Problem:
     return alone
 
 
-def checked_samples(samples: int) -> int:
-    """Return a power of two, at least 4.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If it is none.
-    """
-    samples = whole("samples", samples, at_least=4, what="power of two")
-    if samples & (samples - 1):
-        raise refused("samples", samples, "give a power of two >= 4")
-    return samples
-
-
-def responses_with_variance(session: EvaluationSession, x: FloatArray) -> FloatArray:
-    """Responses (n,) of rows X, all of them finite.
-
-    Raises
-    ------
-    ValueError
-        If one is infinite or a run failed.
-    """
-    y = session.evaluate(x)
-    if not np.isfinite(y).all():
-        bad = int((~np.isfinite(y)).sum())
-        raise ValueError(
-            f"{bad} of {y.size} responses are infinite or failed: the response has no "
-            "variance to share out"
-        )
-    return y
-
-
 def warn_of_order(inputs: JointInputs) -> None:
     """Warn that indices of dependent inputs change with the order of the columns."""
     if not inputs.independent:
@@ -336,38 +237,6 @@ def _design(size: int, dimension: int, n_shared: int, rng: np.random.Generator) 
     return frozen_rows(a, b, [*chosen, *group])
 
 
-def standard_pairs(
-    size: int, dimension: int, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Two independent standard-normal samples A and B, each (size, dimension)."""
-    from scipy.special import ndtri
-    from scipy.stats import qmc
-
-    cube = qmc.Sobol(2 * dimension, rng=rng).random(size)
-    both = ndtri(np.clip(cube, 1e-12, 1.0 - 1e-12))
-    return both[:, :dimension], both[:, dimension:]
-
-
-def frozen_rows(a: FloatArray, b: FloatArray, chosen: Sequence[tuple[int, ...]]) -> FloatArray:
-    """Rows A, B, then A with each choice of columns taken from B."""
-    mixed = []
-    for columns in chosen:
-        rows = a.copy()
-        rows[:, columns] = b[:, columns]
-        mixed.append(rows)
-    return np.vstack([a, b, *mixed])
-
-
-def saltelli(table: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Main and total index (k,) of each exchange, from responses (2 + k, n) to `frozen_rows`."""
-    from scipy.stats import sobol_indices
-
-    found = sobol_indices(
-        func={"f_A": table[:1], "f_B": table[1:2], "f_AB": table[2:, None, :]}, n=table.shape[1]
-    )
-    return found.first_order.ravel(), found.total_order.ravel()
-
-
 def _indices(y: FloatArray, dimension: int, n_shared: int) -> FloatArray:
     """Main indices of the inputs, that of the group if there is one, then total indices."""
     main, total = saltelli(y.reshape(_points(dimension, n_shared), -1))
@@ -382,38 +251,3 @@ def _of_expansion(expansion: PolynomialChaosExpansion, n_shared: int) -> FloatAr
         within = active.any(axis=1) & ~active[:, n_shared:].any(axis=1)
         group = [float(np.sum(expansion.coefficients[within] ** 2)) / expansion.variance]
     return np.concatenate([sobol.main, group, sobol.total])
-
-
-def labelled_rows(
-    inputs: JointInputs,
-    values: FloatArray,
-    errors: FloatArray,
-    reach: float,
-    error_kind: ErrorKind,
-    method: str,
-    names: Sequence[str],
-) -> tuple[SobolIndex, ...]:
-    """Rows of a result: main indices, that of the group if there is one, then total indices.
-
-    `reach` is the half width of the intervals in standard errors.
-    """
-    singles = [(name, i < inputs.n_shared) for i, name in enumerate(names)]
-    group = [(ALL_SHARED, True)] if inputs.shared_are_a_group else []
-    labels: Sequence[tuple[str, bool, Order]] = [
-        *((name, shared, "main") for name, shared in [*singles, *group]),
-        *((name, shared, "total") for name, shared in singles),
-    ]
-    return tuple(
-        SobolIndex(
-            name, shared, order, float(value), float(error),
-            float(value - reach * error), float(value + reach * error), error_kind, method,
-        )
-        for (name, shared, order), value, error in zip(labels, values, errors, strict=True)
-    )  # fmt: skip
-
-
-def student_quantile(freedom: int) -> float:
-    """Quantile of Student's distribution behind a 95 % interval."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(freedom, 0.975))
