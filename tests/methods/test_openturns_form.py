@@ -16,6 +16,7 @@ from uqfold import Binomial, Evaluator, criteria
 from uqfold.inputs import normal
 from uqfold.methods.design_point import Search
 from uqfold.methods.openturns_form import OpenTURNSFORM
+from uqfold.methods.openturns_search import DesignPointSearch
 from uqfold.methods.standard_space import Linearisation
 from uqfold.testing.counting import RowCount
 from uqfold.typing import FloatArray
@@ -316,7 +317,7 @@ class TestTraps:
             wrong = response.linearise(np.array([0.1, 1.5, -1.0]))
             search.trace.append((wrong, algorithm))
 
-        monkeypatch.setattr(OpenTURNSFORM, "_run", planted)
+        monkeypatch.setattr(DesignPointSearch, "_run", planted)
         curved = linear_problem(model=lambda x: linear(x) + 0.5 * x[:, 1] ** 2)
         row = FORM.estimate(curved, criteria(14.0))[0]
         assert row.status == "failed"

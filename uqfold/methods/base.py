@@ -178,6 +178,8 @@ class ReliabilityMethod(ABC):
     """Whether structures other than `Series` are answered."""
     units_may_differ: ClassVar[UnitsMayDiffer] = "never"
     """Whether units that differ are answered: by their offsets alone, or in every way."""
+    answers_tau: ClassVar[bool] = True
+    """Whether a synchronization threshold is answered, which one unit alone does not tell."""
     inputs_may_step: ClassVar[bool] = False
     """Whether discrete inputs are answered as they are, although the response has steps then."""
     most_values: ClassVar[int] = 50
@@ -205,12 +207,14 @@ class ReliabilityMethod(ABC):
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Return why the method cannot answer this criterion, or None if it can.
 
-        This default goes by `any_structure`, `units_may_differ` and `inputs_may_step`; tau needs a
-        series. A subclass that adds reasons of its own calls it first.
+        This default goes by the class variables `any_structure`, `units_may_differ`, `answers_tau`
+        and `inputs_may_step`; tau needs a series. A subclass with further reasons calls it first.
         """
         checked_problem(problem)
         instance("criterion", criterion, Criterion, "give a Criterion")
         structure, kinds = problem.structure, problem.kinds
+        if criterion.tau is not None and not self.answers_tau:
+            return f"{self.name} has no answer under a synchronization threshold tau"
         if not kinds.equal and self.units_may_differ == "never":
             return f"{self.name} needs exchangeable units (units=<number>)"
         if len(kinds.models) > 1 and self.units_may_differ != "in all":

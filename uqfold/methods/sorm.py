@@ -16,7 +16,7 @@ from uqfold.evaluation import BudgetExceededError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import DesignPoint, Search, Start, verdict
 from uqfold.methods.design_point_check import LEAST, Surroundings, index_moved
-from uqfold.methods.openturns_form import OpenTURNSFORM, design_points, searched
+from uqfold.methods.openturns_form import OpenTURNSFORM, design_points
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
 from uqfold.methods.standard_space import StandardSpaceResponse, in_doubt
@@ -105,6 +105,7 @@ class SORM(ReliabilityMethod):
     name: ClassVar[str] = "sorm"
     title: ClassVar[str] = "SORM"
     theory: ClassVar[Theory] = THEORY
+    answers_tau: ClassVar[bool] = False
 
     formula: Formula = "paraboloid"
     search: OpenTURNSFORM = field(default_factory=OpenTURNSFORM)
@@ -115,15 +116,9 @@ class SORM(ReliabilityMethod):
         keep(self, "search", instance, (OpenTURNSFORM,), "give uqfold.methods.OpenTURNSFORM()")
         keep(self, "target_cov", real, above=0.0)
 
-    def supports(self, problem: Problem, criterion: Criterion) -> str | None:
-        """Refuse tau: the spread over units does not follow from one unit's design point."""
-        if criterion.tau is not None:
-            return f"{self.name} has no answer under a synchronization threshold tau"
-        return super().supports(problem, criterion)
-
     def _solve(self, task: Task) -> Solution:
         form = replace(self.search, starts=max(2, self.search.starts))
-        done = searched(form, task)
+        done = form.how.searched(task)
         points = task.summed_up(lambda _: design_points(done.found, task.problem.kinds.inputs))
         response, start = done.responses[0], done.starts[0]
         looked: dict[float, SecondOrder] = {}
