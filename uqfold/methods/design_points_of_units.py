@@ -17,7 +17,7 @@ import numpy as np
 
 from uqfold.evaluation import BudgetExceededError
 from uqfold.methods.design_point import Search
-from uqfold.methods.design_point_check import LEAST, found_elsewhere, index_moved
+from uqfold.methods.design_point_error import LEAST, found_elsewhere, index_moved
 from uqfold.methods.design_point_of_system import SystemLook, look_at_system, planes_at
 from uqfold.methods.result import NORMAL_95, Estimate, Status
 from uqfold.methods.standard_space import StandardSpaceResponse

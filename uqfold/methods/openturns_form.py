@@ -20,7 +20,7 @@ from uqfold.checks import choice, keep, real, refused, several, whole
 from uqfold.inputs import JointInputs
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
 from uqfold.methods.design_point import LOOSE_RESIDUAL, DesignPoint, Search, verdict
-from uqfold.methods.design_point_check import with_error
+from uqfold.methods.design_point_error import with_error
 from uqfold.methods.design_points_of_units import estimate_of_units
 from uqfold.methods.openturns_search import Algorithm, DesignPointSearch
 from uqfold.methods.result import TARGET_COV, Estimate

@@ -15,7 +15,8 @@ from uqfold.checks import choice, instance, keep, real
 from uqfold.evaluation import BudgetExceededError
 from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
 from uqfold.methods.design_point import DesignPoint, Search, Start, verdict
-from uqfold.methods.design_point_check import LEAST, Surroundings, index_moved
+from uqfold.methods.design_point_check import Surroundings
+from uqfold.methods.design_point_error import LEAST, index_moved
 from uqfold.methods.openturns_form import OpenTURNSFORM, design_points
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
