@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uqfold.cli.compare import Words, say, stdout_console
-from uqfold.cli.invocation import AsJson, Invocation, flag, option, say_json, usage
-from uqfold.cli.streams import EXIT_INTERRUPTED, os_error_text, shown_path
+from uqfold.cli.invocation import AsJson, Invocation, Words, flag, option, say_json, usage
+from uqfold.cli.streams import EXIT_INTERRUPTED, os_error_text, say, shown_path, stdout_console
 from uqfold.writing import check_writable
 
 if TYPE_CHECKING:

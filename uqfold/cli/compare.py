@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import shlex
-import sys
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +11,16 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from uqfold.cli.invocation import AsJson, Invocation, flag, option, usage
-from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE, os_error_text, shown_path
+from uqfold.cli.invocation import AsJson, Invocation, Words, flag, option, usage
+from uqfold.cli.streams import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_USAGE,
+    os_error_text,
+    say,
+    shown_path,
+    stdout_console,
+)
 from uqfold.comparison.named_problems import available_problems, named_problem
 from uqfold.methods.registry import built_in
 from uqfold.problems.catalogue.folder import titles
@@ -22,14 +28,12 @@ from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
     import pandas as pd
-    from rich.console import Console
 
     from uqfold.evaluation import Evaluator
     from uqfold.problems.base import Problem
 
 BATCH_ROWS = 1024
 """Evaluations in this process between two looks at Ctrl-C; has no influence on any number."""
-PIPED_WIDTH = 120
 COMPILING = "preparing the model (compiled on first use, 10 to 20 s) ..."
 
 
@@ -62,8 +66,6 @@ Examples:
   uqfold compare folding-wing --missions 10:0.7 --seed 7 --out results
   uqfold compare folding-wing --method mc --store wing.db
 """
-
-Words = list[str] | None
 
 
 def compare_methods(
@@ -286,11 +288,6 @@ def _say_interrupted(
         say(f"{kept}; to go on from there: {shlex.join(['uqfold', *invocation.words])}")
 
 
-def say(text: str) -> None:
-    """Say something on the standard error, also when quiet, in one line."""
-    print(text, file=sys.stderr, flush=True)
-
-
 def run_once(problem: Problem) -> None:
     """Run the model once at the median inputs, outside any count, so that it gets compiled.
 
@@ -302,11 +299,3 @@ def run_once(problem: Problem) -> None:
     with contextlib.suppress(Exception, SystemExit):
         x = problem.inputs.from_standard_normal(np.zeros((1, problem.inputs.dimension)))
         problem.model(x)
-
-
-def stdout_console(*, quiet: bool) -> Console:
-    """Return the console of the standard output; into a pipe or file the table is set wide."""
-    from rich.console import Console
-
-    piped = not sys.stdout.isatty() and "COLUMNS" not in os.environ
-    return Console(width=PIPED_WIDTH if piped else None, quiet=quiet)

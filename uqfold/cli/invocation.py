@@ -16,6 +16,7 @@ from uqfold.cli.streams import os_error_text
 from uqfold.evaluation.errors import EngineError
 
 Value = TypeVar("Value")
+Words = list[str] | None
 
 
 class Interrupts:

@@ -8,8 +8,13 @@ import os
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
+PIPED_WIDTH = 120
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
@@ -65,6 +70,19 @@ def shown_path(path: Path) -> str:
     """Return a path as people would type it here: relative where it lies below this folder."""
     relative = os.path.relpath(path)
     return str(path) if relative.startswith(os.pardir) else relative
+
+
+def say(text: str) -> None:
+    """Say something on the standard error, also when quiet, in one line."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def stdout_console(*, quiet: bool) -> Console:
+    """Return the console of the standard output; into a pipe or file the table is set wide."""
+    from rich.console import Console
+
+    piped = not sys.stdout.isatty() and "COLUMNS" not in os.environ
+    return Console(width=PIPED_WIDTH if piped else None, quiet=quiet)
 
 
 def _silence_stdout() -> None:

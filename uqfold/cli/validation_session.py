@@ -10,9 +10,8 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
-from uqfold.cli.compare import say, stdout_console
 from uqfold.cli.invocation import Invocation
-from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, shown_path
+from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, say, shown_path, stdout_console
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
 from uqfold.report.table import joined, text_columns

@@ -104,7 +104,8 @@ def ask(problem_name: str, name: str, seed: int, work: Work) -> pd.DataFrame:
     ]
     if settings.get("few_taus", False) and work.tier == "quick":
         known = with_few_taus(known)
-    known = known[:: max(1, len(known) // settings.get("criteria", len(known)))]
+    count = work.pick(*settings["criteria"]) if "criteria" in settings else len(known)
+    known = known[:: max(1, len(known) // count)]
     if work.fault == "stale reference":
         known = [replace(one, pf=min(1.2 * one.pf, 1.0)) for one in known]
     runs = work.pick(*settings["runs"]) if "runs" in settings else None
