@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 RIGHT_WITHIN = 0.10
+"""Relative error up to which an answer is right."""
 WRONG_ERRORS = 3.0
 USABLE_COV = 0.2
 """Intervals are judged where the stated error is below this part of pf."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
+from uqfold.comparison.league import RIGHT_WITHIN
 from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     NO_VALUE,
@@ -18,7 +19,7 @@ from uqfold.plots.wording import (
 )
 from uqfold.problems.criterion import threshold_text
 from uqfold.report.page.cells import TONES, Cell
-from uqfold.report.scores import RIGHT_WITHIN, method_scores
+from uqfold.report.scores import method_scores
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from uqfold.comparison.league import RIGHT_WITHIN
 from uqfold.methods.result import STATUSES
 from uqfold.plots.wording import REFERENCE_STANDARD_ERRORS
 
@@ -12,8 +13,6 @@ if TYPE_CHECKING:
 
 CRITERION = ["threshold", "tau", "missions"]
 """Columns that tell criteria apart."""
-RIGHT_WITHIN = 0.10
-"""An answer is called right when its error is not larger, or when the reference cannot tell."""
 
 
 def method_scores(frame: pd.DataFrame) -> pd.DataFrame:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from uqfold.comparison.league import RIGHT_WITHIN
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import percent, probability, seconds_text
 from uqfold.report.answers import ERROR, STATUSES, UNCHECKED, WITHIN, methods_table
 from uqfold.report.page.builder import Page
 from uqfold.report.page.cells import TONES, Tone, typeset
 from uqfold.report.page.markup import literal
-from uqfold.report.scores import CRITERION, RIGHT_WITHIN, method_scores, spreads
+from uqfold.report.scores import CRITERION, method_scores, spreads
 
 if TYPE_CHECKING:
     import pandas as pd
