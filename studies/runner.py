@@ -257,11 +257,10 @@ def finish(page: Page, run: Run, methods: Mapping[str, uqfold.ReliabilityMethod]
         page.section("References")
         names = ", ".join(f"`{name}`" for name, one in known.items() if one.how == how)
         page.text(f"{names}: {how} Made by `{command}`.")
-    said = [frame.query("status != 'converged'") for frame in run.tables.values()
-            if {"method", "message"} <= {*frame}]  # fmt: skip
-    if any(map(len, said)):
+    said = [frame for frame in run.tables.values() if {"method", "message"} <= {*frame}]
+    if any((frame["status"] != "converged").any() for frame in said):
         page.section("What the methods say of their own answers")
-        rows = pd.concat(said, ignore_index=True)
+        rows = pd.concat(said, ignore_index=True).query("status != 'converged'")
         message = rows["message"].astype(object).fillna("")
         rows["message"] = message.where(message != "", "nobody estimated the error of the answer")
         counts = rows.value_counts(["label", "status", "message"]).reset_index(name="rows")
