@@ -39,8 +39,8 @@ def waited(true: Callable[[], bool]) -> bool:
     ("how", "number"),
     [
         ("threads", signal.SIGINT),
-        ("threads", signal.SIGTERM),
-        ("processes", signal.SIGINT),
+        pytest.param("threads", signal.SIGTERM, marks=pytest.mark.thorough),
+        pytest.param("processes", signal.SIGINT, marks=pytest.mark.thorough),
         ("processes", signal.SIGTERM),
         ("slow", signal.SIGKILL),
         ("direct", signal.SIGINT),

@@ -20,6 +20,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.problems.reference import load_references, parse_references
 from uqfold.testing.counting import RowCount
 
+pytestmark = pytest.mark.thorough
 Script = Callable[[str], ModuleType]
 DRAWS = 8
 

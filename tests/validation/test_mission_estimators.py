@@ -194,6 +194,7 @@ STRATA = tuple(float(edge) for edge in range(-3, 6))
 Scores = Callable[[Script, tuple[float, ...]], np.ndarray]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("scores", "edges"),
     [(linear_normal_scores, ONE), (linear_normal_scores, STRATA), (series_scores, STRATA)],
