@@ -90,6 +90,13 @@ def test_a_file_states_what_python_would() -> None:
     assert pickle.loads(pickle.dumps(problem.model))(x).tolist() == [4.0]
 
 
+def test_paths_are_relative_to_the_file_and_a_mark_of_utf_8_is_none_of_it(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "stated_model.py").rename(tmp_path / "sub" / "stated_model.py")
+    (tmp_path / "sub" / "bar.toml").write_text(FILE, encoding="utf-8-sig")
+    assert named_problem("sub/bar.toml").problem().model(np.ones((1, 2))).tolist() == [1.0]
+
+
 INPUTS = FILE[FILE.index("[inputs.area]") : FILE.index("[criteria]")]
 
 
