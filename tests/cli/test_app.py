@@ -84,6 +84,16 @@ def test_compare_prints_the_table_and_writes_records_and_figures(
         assert str(Path.home()).encode() + b"/" not in content
 
 
+def test_methods_come_from_a_file_under_labels_of_their_own(tmp_path: Path) -> None:
+    Path("mine.py").write_text(
+        "from uqfold.methods import FFNIPearson\n\n\n"
+        "def methods():\n    return {'coarse': FFNIPearson(3), 'fine': FFNIPearson(4)}\n"
+    )
+    asked = ["--method", "mine.py:methods,ffni-spa", "--threshold", "2", "--no-figures"]
+    assert run("compare", "series", *asked, "--out", "run") == 0
+    assert list(read_records(tmp_path / "run")["label"].unique()) == ["coarse", "fine", "ffni-spa"]
+
+
 def test_records_hold_what_was_asked_and_what_compare_gives(tmp_path: Path) -> None:
     words = ["compare", "series", *QUICK, "--tau", "none", "--missions", "1,10:0.7"]
     assert run(*words, "--max-evals", "5000", "--no-figures", "--out", str(tmp_path / "r")) == 0

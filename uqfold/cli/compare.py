@@ -135,17 +135,16 @@ def compare_methods(
     from rich.console import Console
 
     from uqfold.cli.words import chosen_criteria, known_reference, listed
-    from uqfold.comparison.run import run_comparison
+    from uqfold.comparison.run import labelled_methods, run_comparison
     from uqfold.evaluation import Dask, Evaluator
-    from uqfold.methods import available
     from uqfold.methods.arguments import checked_budget
     from uqfold.provenance import shown_command
     from uqfold.report.progress import ComparisonProgressBar
 
     invocation: Invocation = context.obj
-    methods = list(available()) if method is None else listed(method)
+    methods = usage(labelled_methods, None if method is None else listed(method))
     terminal = Console(stderr=True, quiet=quiet)
-    bar = ComparisonProgressBar(methods, terminal)
+    bar = ComparisonProgressBar(list(methods), terminal)
 
     def progress(label: str, n_evals: int, expected: int | None) -> None:
         invocation.interrupts.check()
