@@ -330,8 +330,12 @@ class Problem:
         """Digest of what makes the system besides the model: inputs, units, structure."""
         kinds, joint = self.kinds, self.inputs
         own = [([*map(str, one.columns)], repr(one.parts.dependent)) for one in kinds.inputs]
+        # of many values the text tells the first and the last one
+        atoms = [one.atoms for inputs in kinds.inputs for one in inputs.columns]
+        values = [one.tolist() for pair in atoms for one in pair if one.size]
         units = [None if one is None else one.tolist() for one in (kinds.of_units, kinds.offsets)]
-        parts = (joint.names, joint.n_shared, own, self.n_units, units, repr(self.structure))
+        system = (self.n_units, units, repr(self.structure))
+        parts = (joint.names, joint.n_shared, own, *values, *system)
         return hashlib.blake2b(repr(parts).encode(), digest_size=8).hexdigest()
 
     @property
