@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -234,3 +235,18 @@ def test_an_input_that_is_cut_off_has_no_steps_and_is_open_to_more_methods() -> 
     refused = build("ffni").estimate(problem, 3.0, rng=1)[0]
     assert refused.status == "unsupported"
     assert "no Gauss rule for snow" in refused.message
+
+
+def test_runs_for_each_value_are_kept_in_a_store(tmp_path: Path) -> None:
+    inputs = {"gust": bernoulli(0.2), "load": normal(0.0, 1.0)}
+    problem = uqfold.Problem(_sum, individual=inputs, version="1")
+    evaluator = uqfold.Evaluator(store=tmp_path / "runs.db")
+    first, second = (OpenTURNSFORM().estimate(problem, 2.0, evaluator=evaluator) for _ in range(2))
+    assert first.n_reused == 0
+    assert second.n_reused == second.n_evals == first.n_evals
+    assert f"{second.n_evals} of them from a store" in str(second)
+    assert second.pf.tolist() == first.pf.tolist()
+
+
+def _sum(x: Any) -> Any:
+    return x.sum(axis=1)

@@ -200,6 +200,11 @@ class ReliabilityResult(Tabular[CriterionResult]):
         return self.rows[0].n_evals
 
     @property
+    def n_reused(self) -> int:
+        """How many of them came from a store."""
+        return self.rows[0].n_reused
+
+    @property
     def n_failed(self) -> int:
         """How many of them failed."""
         return self.rows[0].n_failed
