@@ -29,10 +29,13 @@ suppress_warnings = ["ref.python"]
 
 
 def setup(app: Any) -> None:
-    """Take the bars of absolute values in docstrings for what they are."""
+    """Show docstrings as they are meant."""
 
-    def plain_bars(*arguments: Any) -> None:
-        lines = arguments[-1]
+    def meant(_app: Any, what: str, _name: str, _obj: Any, _options: Any, lines: list[str]) -> None:
+        # bars are those of absolute values
         lines[:] = [line.replace("|", r"\|") for line in lines]
+        # napoleon takes what stands before a colon in the first line for a type
+        if what in ("attribute", "data", "property"):
+            lines.insert(0, "")
 
-    app.connect("autodoc-process-docstring", plain_bars)
+    app.connect("autodoc-process-docstring", meant, priority=400)
