@@ -899,6 +899,14 @@ def calls(folder: Path) -> dict[str, Call]:
         "methods.MonteCarlo": Call(
             methods.MonteCarlo, {"systems": optional(count()), "target_cov": optional(number())}
         ),
+        "methods.OpenTURNSNAIS": Call(
+            methods.OpenTURNSNAIS,
+            {
+                "samples": count(100),
+                "repetitions": optional(count(2)),
+                "target_cov": optional(number()),
+            },
+        ),
         "methods.QuasiMonteCarlo": Call(
             methods.QuasiMonteCarlo,
             {

@@ -26,6 +26,7 @@ from uqfold.methods.multifidelity_monte_carlo import (
 )
 from uqfold.methods.openturns_form import OpenTURNSFORM as OpenTURNSFORM
 from uqfold.methods.openturns_monte_carlo import OpenTURNSMonteCarlo as OpenTURNSMonteCarlo
+from uqfold.methods.openturns_nais import OpenTURNSNAIS as OpenTURNSNAIS
 from uqfold.methods.polynomial_chaos import PolynomialChaos as PolynomialChaos
 from uqfold.methods.quasi_monte_carlo import QuasiMonteCarlo as QuasiMonteCarlo
 from uqfold.methods.registry import available as available, build as build

@@ -145,6 +145,8 @@ class Rounds:
         Lines of a repetition that stand for each other.
     heaviest
         What one failure that contradicts its line adds to a repetition at most, times these lines.
+    what
+        What they are called.
     done
         The rounds.
     short
@@ -157,6 +159,7 @@ class Rounds:
     without_a_budget: int
     lines: int = 1
     heaviest: float = math.inf
+    what: str = "line"
     done: list[Round] = field(default_factory=list)
     short: list[str] = field(default_factory=list)
 
@@ -256,7 +259,7 @@ class Rounds:
         if total > 0.0:
             most = float(self.together("largest").max()) / total
             if most > max(HEAVY, OUTSTANDING / high.size):
-                doubts.append(f"one line makes {100.0 * most:.0f} % of pf")
+                doubts.append(f"one {self.what} makes {100.0 * most:.0f} % of pf")
             contradicted = float(self.together("contradicted").max()) / total
             if contradicted > HEAVY:
                 doubts.append(

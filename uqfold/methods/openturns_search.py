@@ -211,7 +211,7 @@ class DesignPointSearch:
 
         noted_margin = _noting(raised, deferred, margin)
         noted_gradient = _noting(raised, deferred, gradient)
-        with deferred, _silent(ot):
+        with deferred, silent(ot):
             function = ot.Function(
                 ot.PythonFunction(
                     start.u.size, 1, func_sample=noted_margin, gradient=noted_gradient
@@ -259,7 +259,7 @@ def _noting(
 
 
 @contextmanager
-def _silent(ot: Any) -> Iterator[None]:
+def silent(ot: Any) -> Iterator[None]:
     """Keep OpenTURNS' own warnings off the terminal: the status says what they say."""
     flags = ot.Log.Flags()
     ot.Log.Show(ot.Log.NONE)

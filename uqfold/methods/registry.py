@@ -34,6 +34,7 @@ _BUILT_IN: dict[str, str] = {
     "openturns-form": "uqfold.methods.openturns_form:OpenTURNSFORM",
     "sorm": "uqfold.methods.sorm:SORM",
     "openturns-mc": "uqfold.methods.openturns_monte_carlo:OpenTURNSMonteCarlo",
+    "openturns-nais": "uqfold.methods.openturns_nais:OpenTURNSNAIS",
     "auto": "uqfold.methods.automatic:Automatic",
 }
 

@@ -45,6 +45,7 @@ _FIXED = {
     "directional-sampling": MethodStyle("#1F8A70", "d"),
     "openturns-form": MethodStyle("#CC79A7", "D"),
     "sorm": MethodStyle("#B4436C", "v"),
+    "openturns-nais": MethodStyle("#7A4B9E", "p"),
     "openturns-mc": MethodStyle("#BD8200", "v"),
 }
 """Their colours and markers."""

@@ -20,7 +20,10 @@ from uqfold.problems import Problem
 from uqfold.problems.criterion import Criterion
 from validation.benchmarks.rare_events import branches, branches_pf, linear, standard_normal
 
-RUNS = {"qmc": (200_000, 60_000, 400_000, 1_000_000), "openturns-nais": (20_000,) * 4}
+RUNS = {
+    "qmc": (200_000, 60_000, 400_000, 1_000_000),
+    "openturns-nais": (60_000, 60_000, 60_000, 100_000),
+}
 """Runs for each limit state."""
 
 
