@@ -63,9 +63,9 @@ def test_a_region_that_its_densities_lose_is_a_doubt(monkeypatch: pytest.MonkeyP
 
     heights = Repeated._heights
 
-    def noted(self: Repeated, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def noted(self: Repeated, u: FloatArray, **labels: object) -> tuple[FloatArray, FloatArray]:
         self.last = np.array(u)
-        return heights(self, u)
+        return heights(self, u, **labels)
 
     monkeypatch.setattr(Repeated, "last", None, raising=False)
     monkeypatch.setattr(Repeated, "_margin", one_sided)

@@ -144,7 +144,7 @@ def test_doubled_points_are_those_of_one_go() -> None:
 
 
 def test_numbers_of_points_stay_off_the_ends_and_run_out_as_zeros() -> None:
-    ends = np.array([[0.5**53, 1.0 - 0.5**53, 0.5]])
+    ends = np.array([[0.5**41, 1.0 - 0.5**41, 0.5]])
     numbers = Numbers(ends)
     assert np.isfinite(numbers.standard_normal((1, 1, 1, 2))).all()
     assert numbers.random((1, 1)) == 0.5

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Generator
-from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -172,20 +171,23 @@ def test_target_cov_stops_early() -> None:
     assert row.n_evals < 100_000
 
 
-def test_samples_are_kept_on_request() -> None:
+def test_samples_are_kept_with_their_levels() -> None:
     problem, limit = standard_normal(linear), Criterion(3.5)
-    method = SubsetSimulation(samples=100, repetitions=12, keep_samples=True)
-    result = method.estimate(problem, limit, rng=14)
+    method = SubsetSimulation(samples=100, repetitions=12)
+    result = method.estimate(problem, limit, rng=14, evaluator=Evaluator(samples=True))
     [told] = result.details.sets
-    frame, top = told.samples, len(told.heights)
-    assert list(frame.columns) == ["climb", "level", "height", "u0", "u1"]
-    assert sorted(frame["climb"].unique()) == list(range(12))
-    assert np.allclose(frame["height"], linear(frame[["u0", "u1"]].to_numpy()))
+    frame, top = result.samples, len(told.heights)
+    assert frame is not None
+    assert np.array_equal(frame["response"], linear(frame[["u0", "u1"]].to_numpy()))
+    made = frame[frame["phase"] == "climb"]
+    assert sorted(made["level"].unique()) == list(range(top + 1))
+    # of all space, the share above the first level is what the climbs have counted
+    lowest = made[made["level"] == 0]["response"]
+    assert (lowest > told.heights[0]).mean() == pytest.approx(told.probabilities[0])
     for level in range(1, top + 1):
-        assert frame.loc[frame["level"] == level, "height"].min() > told.heights[level - 1]
-    fail = frame[frame["level"] == top].groupby("climb")["height"].apply(lambda h: (h > 3.5).mean())
-    assert np.all((told.pf[fail.index, 0] > 0.0) == (fail > 0.0))
-    assert replace(method, keep_samples=False).estimate(problem, limit, rng=14).pf == result.pf
+        own = made[made["level"] == level]["response"]
+        assert (own > told.heights[level - 1]).mean() == pytest.approx(told.acceptance[level - 1])
+    assert method.estimate(problem, limit, rng=14).pf == result.pf
 
 
 def test_asked_and_told_gives_the_same_answer() -> None:

@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from typing import get_args
 
-from uqfold.checks import choice, function, instance, keep, or_none, real, whole
+from uqfold.checks import choice, flag, function, instance, keep, or_none, real, whole
 from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.description import UndescribedError
 from uqfold.evaluation.executors import Executor, Futures, InProcess
 from uqfold.evaluation.identity import model_identity
 from uqfold.evaluation.pipeline import Pipeline
 from uqfold.evaluation.row_model import RowModel
+from uqfold.evaluation.samples import KeptSamples
 from uqfold.evaluation.session import (
     EvaluationSession,
     FailedRunPolicy,
@@ -26,6 +27,9 @@ from uqfold.evaluation.shelf import SMALL_CALL, Shelf
 from uqfold.evaluation.store import Store
 from uqfold.problems.base import Problem
 from uqfold.typing import Model
+
+MOST_SAMPLES = 100_000
+"""Runs that are kept where no number is given."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,10 @@ class Evaluator:
         Time limit of one run, which fails when it takes longer: with `Processes` or an
         `ExternalCode`. What cannot end a run refuses it.
 
+    samples
+        Whether the runs are kept, for the frame `ReliabilityResult.samples`: True keeps 100,000 of
+        them at most, a number at most so many; beyond it, every second one, and so on.
+
     Raises
     ------
     ValueError, TypeError
@@ -78,6 +86,7 @@ class Evaluator:
     executor: Executor | concurrent.futures.Executor | None = None
     max_seconds: float | None = None
     seconds_per_run: float | None = None
+    samples: bool | int = False
 
     def __post_init__(self) -> None:
         keep(self, "failed_runs", choice, get_args(FailedRunPolicy))
@@ -87,6 +96,7 @@ class Evaluator:
         for name in ("max_seconds", "seconds_per_run"):
             keep(self, name, or_none, real, above=0.0, what="number of seconds")
         keep(self, "store", or_none, _as_store)
+        keep(self, "samples", _as_samples)
         if isinstance(self.executor, concurrent.futures.Executor):
             object.__setattr__(self, "executor", Futures(self.executor))
         if not (self.executor is None or isinstance(self.executor, Executor)):
@@ -156,6 +166,7 @@ class Evaluator:
             self.failed_runs,
             self.progress,
             self.watch,
+            samples=None if self.samples is False else KeptSamples(int(self.samples)),
         )
 
 
@@ -182,6 +193,14 @@ def _as_store(name: str, value: object) -> Store:
     if isinstance(value, str | PathLike):
         return Store(value)
     return instance(name, value, Store, "give a Store or the path of its file")
+
+
+def _as_samples(name: str, value: object) -> int | bool:
+    """Return how many runs are kept at most, or False."""
+    try:
+        return MOST_SAMPLES if flag(name, value) else False
+    except TypeError:
+        return whole(name, value, at_least=1)
 
 
 def _default_executor(model: Model) -> Executor:

@@ -21,6 +21,7 @@ from uqfold.evaluation.deadline import Deadline
 from uqfold.evaluation.errors import BudgetExceededError, FailedRunError, TimeLimitError
 from uqfold.evaluation.gradients import gradients_at
 from uqfold.evaluation.pipeline import Batch, Pipeline
+from uqfold.evaluation.samples import KeptSamples, Label
 from uqfold.typing import FloatArray, Model
 
 FailedRunPolicy = Literal["raise", "count-as-failure", "bound"]
@@ -77,6 +78,8 @@ class EvaluationSession:
         Gradients asked for so far, one per row; they are no evaluations.
     expected
         Evaluations that the method expects to need in all, for the progress display.
+    samples
+        Keeps the runs, if they are to be kept.
     """
 
     pipeline: Pipeline
@@ -94,6 +97,7 @@ class EvaluationSession:
     first_failure: str = ""
     n_gradients: int = 0
     expected: int | None = None
+    samples: KeptSamples | None = None
     _reserved: int = field(default=0, repr=False)
 
     @property
@@ -268,6 +272,14 @@ class EvaluationSession:
             self.n_gradients += part.n_gradients
             self.first_failure = self.first_failure or part.first_failure
 
+    def label(self, **labels: Label) -> None:
+        """Say what the next runs are, for whoever keeps them; arrays have one entry for each run.
+
+        A method that streams blocks, of which some may be drawn ahead, says nothing of single runs.
+        """
+        if self.samples is not None:
+            self.samples.label(**labels)
+
     @property
     def watched(self) -> bool:
         """Whether anybody looks at running estimates."""
@@ -286,6 +298,9 @@ class EvaluationSession:
 
     def _count(self, batch: Batch) -> None:
         """Count a batch; raise where its failed runs end the estimate."""
+        if self.samples is not None:
+            rows = slice(batch.start, batch.stop)
+            self.samples.add(batch.x[rows], batch.y[rows])
         failed = np.isnan(batch.y[batch.start : batch.stop])
         self._reserved -= failed.size
         self.n_evals += failed.size

@@ -409,7 +409,9 @@ class ReliabilityMethod(ABC):
             finished_row(criterion, estimate, cost)
             for criterion, estimate in zip(run.asked, estimates, strict=True)
         )
-        problem = run.task.problem
+        problem, samples = run.task.problem, None
+        if session.samples is not None:
+            samples = session.samples.frame(problem.kinds.column_names)
         return ReliabilityResult(
             tuple(run.asked),
             rows,
@@ -417,6 +419,7 @@ class ReliabilityMethod(ABC):
             problem.name,
             problem.system_digest,
             session.n_gradients,
+            samples,
         )
 
     def _held(self, problem: Problem, criteria: Sequence[Criterion]) -> HeldValues | str | None:

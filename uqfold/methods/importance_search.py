@@ -115,7 +115,7 @@ class ImportanceSearch:
         """Samples that fit into memory side by side."""
         return max(1, BLOCK_VALUES // self.asked.event.dimension)
 
-    def drawn(self, size: int) -> Running[WeightedSamples]:
+    def drawn(self, size: int, phase: str = "answer") -> Running[WeightedSamples]:
         """Draw samples from the density and run them."""
         dimension, before = self.asked.event.dimension, self.asked.session.n_evals
         if self.mixture is None:
@@ -124,7 +124,7 @@ class ImportanceSearch:
         else:
             u = self.mixture.draw(size, self.rng)
             weights, blind = np.exp(-self.mixture.log_ratio(u)), self.mixture.blind(u)
-        heights = yield from self.asked.heights(u[:, :dimension])
+        heights = yield from self.asked.heights(u[:, :dimension], phase=phase, weight=weights)
         self.cost = max(1.0, (self.asked.session.n_evals - before) / size)
         low, high = (self.asked.fail(one)[0] for one in heights)
         return WeightedSamples(u, weights, blind, low, high)
@@ -188,7 +188,7 @@ class ImportanceSearch:
             return
         places = self.rng.permutation(np.nonzero(lost)[0])[:CHAINS]
         states = min(CHAIN * places.size, most)
-        moved = yield from along(self.asked, top, places, limit, states, self.rng)
+        moved = yield from along(self.asked, top, places, limit, states, self.rng, self.levels)
         if not len(moved):
             return
         moved = self.with_two(moved)
@@ -220,7 +220,7 @@ class ImportanceSearch:
         for _ in range(ROUNDS):
             if self.affordable < 3 * size:
                 break
-            found = yield from self.drawn(size)
+            found = yield from self.drawn(size, "fit")
             weights = found.weights[found.high]
             alike = weights.sum() ** 2 / np.sum(weights**2) if weights.size else 0.0
             self.rounds.append(float(alike) / size)

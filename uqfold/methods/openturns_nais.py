@@ -10,6 +10,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
+from uqfold.evaluation.samples import Label
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods.conditional_sums import ENOUGH_DRAWS
@@ -215,7 +216,7 @@ class Repeated:
                     levels += 1
                     if levels > MOST_LEVELS:
                         raise _StuckError(f"{MOST_LEVELS} levels do not reach failure")
-                    return self._margin(self._heights(u)[1])[:, None]
+                    return self._margin(self._heights(u, phase="search", level=levels)[1])[:, None]
             except BaseException as error:
                 # OpenTURNS turns it into a RuntimeError of its own
                 raised.append(error)
@@ -239,8 +240,12 @@ class Repeated:
                     raised.append(_StuckError(f"OpenTURNS finds no way to failure: {error}"))
         if raised:
             raise raised[0]
-        low, high = (self.asked.fail(heights)[0] for heights in self._heights(u))
-        weights = np.where(high, np.exp(_log_normal(u) - _log_density(density, u)), 0.0)
+        ratio = np.exp(_log_normal(u) - _log_density(density, u))
+        low, high = (
+            self.asked.fail(heights)[0]
+            for heights in self._heights(u, phase="answer", weight=ratio)
+        )
+        weights = np.where(high, ratio, 0.0)
         self._densities.append(density)
         self._largest = max(self._largest, float(weights.max()))
         self._powers += [np.mean(weights**power) for power in (1, 2, 3)]
@@ -250,8 +255,8 @@ class Repeated:
             float(weights.max()) / self.size,
         )
 
-    def _heights(self, u: Any) -> tuple[FloatArray, FloatArray]:
-        return driven(self.asked.heights(np.array(u)), self.asked.session.evaluate)
+    def _heights(self, u: Any, **labels: Label) -> tuple[FloatArray, FloatArray]:
+        return driven(self.asked.heights(np.array(u), **labels), self.asked.session.evaluate)
 
     def _margin(self, high: FloatArray) -> FloatArray:
         """How far beyond the limit heights (n,) are: > 0 exactly where they fail."""

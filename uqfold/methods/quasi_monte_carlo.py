@@ -38,8 +38,8 @@ WITHOUT_A_BUDGET = 2**12
 """Points of a randomisation where neither a number, a budget nor a target is given."""
 FIRST = 2**7
 """Points of a randomisation to begin with; they are doubled until they are enough."""
-BITS = 52
-"""Binary digits of a point: with the half of a cell added, tails are drawn to 1e-16."""
+BITS = 40
+"""Binary digits of a point: with the half of a cell added, tails are drawn to 1e-12."""
 
 
 @dataclass(frozen=True)

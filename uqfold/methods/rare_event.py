@@ -17,6 +17,7 @@ from uqfold.evaluation import (
     FailedRunError,
     TimeLimitError,
 )
+from uqfold.evaluation.samples import Label
 from uqfold.methods.base import Solution, Task, UnitsMayDiffer
 from uqfold.methods.result import Estimate
 from uqfold.methods.steps import SequentialMethod, Steps
@@ -66,8 +67,10 @@ class NestedCriteria:
         """Runs that are left."""
         return self.most - self.session.n_evals
 
-    def heights(self, u: FloatArray) -> Running[tuple[FloatArray, FloatArray]]:
+    def heights(self, u: FloatArray, **labels: Label) -> Running[tuple[FloatArray, FloatArray]]:
         """Run the samples u (N, d): heights (N,), failed runs as safe (low), as failures (high).
+
+        What is said of the samples is kept with their runs, see `EvaluationSession.label`.
 
         Raises
         ------
@@ -78,6 +81,11 @@ class NestedCriteria:
         x = self.event.rows(u)
         if len(x) > self.left:
             raise BudgetExceededError(f"{len(x)} more runs asked for, but only {self.left} left")
+        if self.session.samples is not None:
+            runs = self.event.evals(u)
+            for name, label in labels.items():
+                labels[name] = np.repeat(label, runs) if isinstance(label, np.ndarray) else label
+            self.session.label(sample=np.repeat(np.arange(len(u)), runs), **labels)
         y = yield x
         return self.event.bounds_of(u, y)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -15,6 +15,7 @@ from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.typing import FloatArray
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
 Status: TypeAlias = Literal[
@@ -166,6 +167,10 @@ class ReliabilityResult(Tabular[CriterionResult]):
         `Problem.system_digest` of it, by which an answer to another question is told.
     n_gradients
         Gradients that the problem was asked for, one per row, beside the evaluations.
+    samples
+        The runs, if the evaluator was to keep them (`Evaluator(samples=True)`): ``run`` (the
+        number), every input by name, ``response`` (NaN: failed), and what the method says of them:
+        ``phase``, ``level``, ``sample`` (which system a run belongs to), ``weight``.
     """
 
     criteria: tuple[Criterion, ...]
@@ -174,6 +179,7 @@ class ReliabilityResult(Tabular[CriterionResult]):
     problem: str = ""
     system: str = ""
     n_gradients: int = 0
+    samples: pd.DataFrame | None = field(default=None, compare=False)
 
     _SHOWN = (
         "threshold", "tau", "missions", "pf", "std_error", "ci_low", "ci_high", "n_evals_row",
@@ -290,7 +296,7 @@ class ReliabilityResult(Tabular[CriterionResult]):
 
     def to_records(self) -> list[dict[str, Any]]:
         """One dictionary per row, in the columns of `CriterionResult`."""
-        names = [field.name for field in fields(CriterionResult)]
+        names = [one.name for one in fields(CriterionResult)]
         return [{name: getattr(row, name) for name in names} for row in self.rows]
 
 

@@ -164,7 +164,7 @@ def piloted(
     rng
         Source of randomness.
     """
-    population = yield from _drawn(asked, 1, size, rng)
+    population = yield from _drawn(asked, 1, size, rng, "pilot")
     levels: list[Rung] = []
     drawn, sigma, note = size, FIRST_SIGMA, ""
     finite = np.isfinite(asked.limits)
@@ -187,7 +187,9 @@ def piloted(
             note = "the budget of the pilot ended before failures were frequent"
             break
         moves = _Moves(sigma, adapted=True)
-        population = yield from _climbed(asked, population, height, size, moves, rng)
+        population = yield from _climbed(
+            asked, population, height, size, moves, rng, len(levels) + 1
+        )
         drawn += moves.made
         sigma = moves.sigma
         levels.append(Rung(height, sigma))
@@ -221,14 +223,16 @@ def climbs(
     place = np.array([rung_of(levels, limit) for limit in asked.limits.tolist()])
     high = np.zeros((number, len(asked.limits)))
     low = np.zeros_like(high)
-    population = yield from _drawn(asked, number, size, rng)
+    population = yield from _drawn(asked, number, size, rng, "climb")
     shares, moves = [population.share], []
     kept = [population] if keep else []
     for rung in range(len(levels) + 1):
         if rung > 0:
             level = levels[rung - 1]
             moves.append(_Moves(level.sigma))
-            population = yield from _climbed(asked, population, level.height, size, moves[-1], rng)
+            population = yield from _climbed(
+                asked, population, level.height, size, moves[-1], rng, rung
+            )
             shares.append(population.share)
             kept += [population] if keep else []
         here = np.nonzero(place == rung)[0]
@@ -257,6 +261,7 @@ def along(
     level: Rung,
     size: int,
     rng: np.random.Generator,
+    number: int,
 ) -> Running[FloatArray]:
     """Return the states (about size, d) of chains above a level that begin at some samples.
 
@@ -270,6 +275,8 @@ def along(
         The level.
     size
         States in all.
+    number
+        Which level it is, from 1.
     """
     begun = Population(
         population.u[places],
@@ -279,7 +286,7 @@ def along(
         np.ones(1),
     )
     moves = _Moves(level.sigma)
-    moved = yield from _climbed(asked, begun, level.height, size, moves, rng)
+    moved = yield from _climbed(asked, begun, level.height, size, moves, rng, number)
     return moved.u
 
 
@@ -306,11 +313,11 @@ class _Moves:
 
 
 def _drawn(
-    asked: NestedCriteria, number: int, size: int, rng: np.random.Generator
+    asked: NestedCriteria, number: int, size: int, rng: np.random.Generator, phase: str
 ) -> Running[Population]:
     """Draw the population of the lowest level: all of space."""
     u = rng.standard_normal((number * size, asked.event.dimension))
-    low, high = yield from asked.heights(u)
+    low, high = yield from asked.heights(u, phase=phase, level=0)
     return Population(u, low, high, np.repeat(np.arange(number), size), np.ones(number))
 
 
@@ -321,6 +328,7 @@ def _climbed(
     size: int,
     moves: _Moves,
     rng: np.random.Generator,
+    level: int,
 ) -> Running[Population]:
     """Lead a population to a higher level, by chains from those that are there already."""
     above = population.high > height
@@ -333,7 +341,9 @@ def _climbed(
         on = np.nonzero(length > step)[0]
         rho = math.sqrt(1.0 - moves.sigma**2)
         proposed = rho * u[on] + moves.sigma * rng.standard_normal((on.size, u.shape[1]))
-        new_low, new_high = yield from asked.heights(proposed)
+        new_low, new_high = yield from asked.heights(
+            proposed, phase="pilot" if moves.adapted else "climb", level=level
+        )
         taken = new_high > height
         goes = on[taken]
         u[goes], low[goes], high[goes] = proposed[taken], new_low[taken], new_high[taken]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from uqfold.checks import flag, keep, or_none, real, whole
+from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import BudgetExceededError, RunningEstimate, TimeLimitError
 from uqfold.methods.counted import counted
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
@@ -20,9 +20,6 @@ from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import SUBSET_SIMULATION
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 WISHED = 20
 """Climbs that a small budget is divided into, by smaller populations."""
@@ -59,10 +56,6 @@ class SubsetClimb:
         What each climb found for each criterion (R, C).
     note
         Why the pilot ended before failures were frequent; empty if they are.
-    samples
-        With ``keep_samples`` a frame of all samples: ``climb``, ``level`` (0: all of space),
-        ``height``, and the standard-normal variables ``u0``, ``u1``, ... in the order of
-        `uqfold.system.event.SystemEvent`. Samples of one chain are alike, or the same.
     """
 
     criteria: tuple[Criterion, ...]
@@ -73,7 +66,6 @@ class SubsetClimb:
     size: int
     pf: FloatArray
     note: str
-    samples: pd.DataFrame | None
 
 
 @dataclass(frozen=True)
@@ -101,8 +93,6 @@ class SubsetSimulation(RareEventMethod):
     target_cov
         Stop early once the relative standard error of every criterion is at most this; None: never.
         A row with a larger one, or with more than 10 % under None, is ``doubtful``.
-    keep_samples
-        Whether to hand out the samples of all climbs; see `SubsetClimb`.
 
     Raises
     ------
@@ -126,14 +116,12 @@ class SubsetSimulation(RareEventMethod):
     repetitions: int | None = None
     level_probability: float = 0.1
     target_cov: float | None = None
-    keep_samples: bool = False
 
     def __post_init__(self) -> None:
         keep(self, "samples", whole, at_least=SMALLEST_POPULATION)
         keep(self, "repetitions", or_none, whole, at_least=2)
         keep(self, "level_probability", real, at_least=0.02, at_most=0.5)
         keep(self, "target_cov", or_none, real, above=0.0)
-        keep(self, "keep_samples", flag)
 
     def _answered(
         self, asked: NestedCriteria, rng: np.random.Generator
@@ -150,7 +138,7 @@ class SubsetSimulation(RareEventMethod):
         messages = []
         try:
             while number := self._next_round(asked, parts, levels, size, cost):
-                made = yield from climbs(asked, levels, number, size, rng, keep=self.keep_samples)
+                made = yield from climbs(asked, levels, number, size, rng)
                 parts.append(made)
                 if asked.session.watched:
                     asked.session.report(_running(asked, Climbs.together(parts)))
@@ -175,7 +163,6 @@ class SubsetSimulation(RareEventMethod):
             size=size,
             pf=made.high,
             note=pilot.note,
-            samples=_frame(made) if self.keep_samples else None,
         )
 
     def _planned(
@@ -249,23 +236,6 @@ def _estimate(
         messages = [*messages, f"at {lazy} of {rung} levels the chains hardly move"]
     above = Repetitions(made.shares[:, rung])
     return combined(Repetitions(high), Repetitions(low), above, target, status, messages)
-
-
-def _frame(made: Climbs) -> pd.DataFrame:
-    """Return all samples of some climbs, level by level."""
-    import pandas as pd
-
-    parts, before = [], 0
-    for i, population in enumerate(made.kept):
-        level = i % (len(made.levels) + 1)
-        head = {"climb": before + population.climb, "level": level, "height": population.high}
-        names = [f"u{j}" for j in range(population.u.shape[1])]
-        part = pd.DataFrame(population.u, columns=names)
-        for place, (name, column) in enumerate(head.items()):
-            part.insert(place, name, column)
-        parts.append(part)
-        before += population.share.size if level == len(made.levels) else 0
-    return pd.concat(parts, ignore_index=True)
 
 
 def _running(asked: NestedCriteria, made: Climbs) -> RunningEstimate:

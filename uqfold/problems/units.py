@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from types import MethodType
 from typing import Any
 
@@ -131,6 +132,15 @@ class UnitKinds:
         offsets = np.array([u.offset for u in units])
         gradients = tuple(gradient if _is_same(one, model) else None for one in models)
         return cls(models, all_inputs, np.array(of_units), offsets, partners, gradients)
+
+    @property
+    def column_names(self) -> list[str]:
+        """What the columns of `rows` are called: inputs, and last the kind if there are several."""
+        if len(self.models) == 1:
+            return list(self.inputs[0].names)
+        each = zip_longest(*(inputs.names for inputs in self.inputs))
+        names = [" / ".join(dict.fromkeys(filter(None, column))) for column in each]
+        return [*names, "kind of unit"]
 
     def said(self, kind: int, names: Sequence[str]) -> str:
         """Return which units are of a kind, as the beginning of a message; "" if all are."""
