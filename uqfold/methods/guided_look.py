@@ -44,7 +44,7 @@ def beside(search: ImportanceSearch) -> Running[tuple[str, list[str]]]:
     if not fails.size:
         return "", [f"a climb has not come to failures: {pilot.note}"]
     limit = Rung(float(asked.limits[0]), pilot.levels[-1].sigma if pilot.levels else 1.0)
-    u = yield from along(asked, pilot.last, fails, limit, size, rng)
+    u = yield from along(asked, pilot.last, fails, limit, size, rng, len(pilot.levels))
     if search.lost(search.with_two(u)).mean() > UNKNOWN:
         return "it knows nothing of failures elsewhere", []
     search.follow(u)
