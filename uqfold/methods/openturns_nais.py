@@ -131,7 +131,9 @@ class OpenTURNSNAIS(RareEventMethod):
         size = int(asked.left // (WISHED * LEVELS * asked.event.max_evals_per_sample))
         size = min(self.samples, max(SMALLEST, size))
         runs = Repeated(asked, rng, size)
-        rounds = Rounds(asked, self.repetitions, self.target_cov, WITHOUT_A_BUDGET, size, what="sample")
+        rounds = Rounds(
+            asked, self.repetitions, self.target_cov, WITHOUT_A_BUDGET, size, what="sample"
+        )
         cost = float(LEVELS * size * asked.event.max_evals_per_sample)
         try:
             yield from rounds.make(runs.drawn, cost, size * asked.event.dimension)

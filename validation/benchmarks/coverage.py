@@ -22,7 +22,7 @@ from validation.benchmarks.rare_events import branches, branches_pf, linear, sta
 
 RUNS = {
     "qmc": (200_000, 60_000, 400_000, 1_000_000),
-    "openturns-nais": (60_000, 60_000, 60_000, 100_000),
+    "openturns-nais": (60_000, 60_000, 30_000, 60_000),
 }
 """Runs for each limit state."""
 
