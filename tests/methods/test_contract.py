@@ -96,7 +96,10 @@ def test_registered_methods_give_the_same_answers_in_a_fresh_process(level: Leve
     """One process for all of them."""
     settings = Settings(level, tolerance=0.03, max_evals=6_000)
     chosen = QUICK if level == "quick" else FEWER_RUNS
-    methods = [chosen.get(name, method()) for name, method in METHODS.items()]
+    # by default one surface stands for those that learn, and for what chooses among methods
+    left_out = ("active-kriging", "auto") if level == "quick" else ()
+    names = [name for name in METHODS if name not in left_out]
+    methods = [chosen.get(name, METHODS[name]()) for name in names]
     same_in_a_fresh_process(methods, settings)
 
 

@@ -60,6 +60,7 @@ class TestAccuracy:
         other = SYSTEM.pf(Criterion(threshold, tau, Binomial(1, 0.3)))
         assert abs(row.pf - other) > 4 * row.std_error
 
+    @pytest.mark.thorough
     def test_stated_errors_are_calibrated(self) -> None:
         criterion = Criterion(11.5, missions=Binomial(3, 0.5))
         method = OpenTURNSMonteCarlo(target_cov=0.15)

@@ -85,9 +85,12 @@ def test_a_million_missions_are_refused_beforehand_and_spoil_no_other(
 
 @pytest.mark.parametrize(
     "method",
-    [*METHODS, FFNIPearson(), FFNISaddlepoint(), Kriging(runs=30), PolynomialChaos(runs=30)],
+    [
+        *METHODS, FFNIPearson(), FFNISaddlepoint(), PolynomialChaos(runs=30, max_degree=2),
+        pytest.param(Kriging(runs=30), marks=pytest.mark.thorough),
+    ],
     ids=lambda method: method.name,
-)
+)  # fmt: skip
 def test_a_row_is_the_same_alone_and_among_others(method: ReliabilityMethod) -> None:
     """Thresholds and tau beside it change neither number nor verdict of a row."""
     problem = SYSTEM.problem()
