@@ -21,6 +21,7 @@ html_math_renderer = "mathml"
 exclude_patterns = ["_build", "gallery/figures"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+napoleon_google_docstring = False
 napoleon_use_ivar = True
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
@@ -36,6 +37,6 @@ def setup(app: Any) -> None:
         lines[:] = [line.replace("|", r"\|") for line in lines]
         # napoleon takes what stands before a colon in the first line for a type
         if what in ("attribute", "data", "property"):
-            lines.insert(0, "")
+            lines[:0] = ["..", ""]  # an empty comment
 
     app.connect("autodoc-process-docstring", meant, priority=400)
