@@ -894,6 +894,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "noise": optional(number().also("zero")),
                 "spread": number(1.5),
                 "warp": flag(),
+                "partner_runs": count().also("zero"),
             },
         ),
         "methods.MonteCarlo": Call(

@@ -26,6 +26,7 @@ from uqfold.methods.warped import WarpedSurface
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.gaussian_process import GaussianProcess
+from uqfold.surrogates.partner_surface import PartnerSurface
 from uqfold.system.surface_rule import Surface
 from uqfold.typing import FloatArray
 
@@ -151,6 +152,7 @@ def fit_surfaces(
     for one, inputs in zip(of_kinds, problem.kinds.inputs, strict=True):
         surface = one.surface
         assert not isinstance(surface, WarpedSurface)
-        noise = surface.noise_std if isinstance(surface, GaussianProcess) else 0.0
+        has_noise = isinstance(surface, GaussianProcess | PartnerSurface)
+        noise = surface.noise_std if has_noise else 0.0
         fitted.append(FittedSurface(surface, inputs, noise, result))
     return fitted

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal, TypeAlias, get_args
 
-from uqfold.checks import choice, flag, keep, or_none, real, whole
+from uqfold.checks import choice, flag, keep, or_none, real, refused, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.arguments import without_own_inputs
 from uqfold.methods.base import Task, UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import STREAMS, Learned, grown
+from uqfold.methods.partner_sample import without_partner
+from uqfold.methods.partner_trend import PartnerRuns, SurfaceOfKind, with_partner
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.steps import SequentialMethod, Steps
@@ -31,6 +34,7 @@ from uqfold.surrogates.gaussian_process import (
     fit_gaussian_process,
 )
 from uqfold.surrogates.kernels import Kernel, KernelChoice
+from uqfold.surrogates.partner_surface import PartnerSurface
 from uqfold.surrogates.polynomial_chaos import fit_polynomial_chaos
 from uqfold.surrogates.warping import Warp
 from uqfold.system.surface_rule import MAX_POINTS
@@ -55,7 +59,8 @@ class KrigingDetails:
     ----------
     surface
         The Gaussian process, with training points, hyperparameters, `mean` and `std`; where it is
-        one of transformed responses, that process and the transformation.
+        one of transformed responses, that process and the transformation; with a partner, its
+        process and that of the difference.
     cross_validation
         Leave-one-out residuals, of transformed responses in that case.
     relative_error
@@ -64,13 +69,22 @@ class KrigingDetails:
         Where the stated errors come from.
     of_other_kinds
         The same for the surfaces of other kinds of units, in the order in which they occur.
+    partner_evals, partner_failed
+        Runs of the partners of all kinds, and how many of them failed. They do not count as
+        evaluations.
+    gain
+        By what the partner has divided the mean square of these residuals; NaN where it was not
+        used.
     """
 
-    surface: GaussianProcess | WarpedSurface
+    surface: GaussianProcess | WarpedSurface | PartnerSurface
     cross_validation: LeaveOneOut
     relative_error: float
     errors: ErrorParts
     of_other_kinds: tuple[KrigingDetails, ...] = ()
+    partner_evals: int = 0
+    partner_failed: int = 0
+    gain: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -134,6 +148,7 @@ class Kriging(SequentialMethod):
     spread: float = 2.0
     target_cov: float = TARGET_COV
     warp: bool = True
+    partner_runs: int = 0
 
     def __post_init__(self) -> None:
         keep(self, "runs", or_none, whole, at_least=1)
@@ -143,6 +158,10 @@ class Kriging(SequentialMethod):
         keep(self, "spread", checked_spread)
         keep(self, "target_cov", real, above=0.0)
         keep(self, "warp", flag)
+        keep(self, "partner_runs", whole, at_least=0)
+        if self.partner_runs and self.noise is not None:
+            remedy = "it is that of the model alone: leave it out where a partner is asked"
+            raise refused("noise", self.noise, remedy)
 
     @property
     def stochastic(self) -> bool:
@@ -153,26 +172,43 @@ class Kriging(SequentialMethod):
         """Refuse more training runs than a fit can bear."""
         if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
-        return super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        reason = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        if reason is None and self.partner_runs > 0:
+            return without_partner(f"partner_runs = {self.partner_runs}", problem)
+        return reason
 
     def _steps(self, task: Task) -> Steps:
-        answered = partial(self._answered, task, {})
-        return (yield from grown(task, self.runs, MAX_RUNS, self.spread, answered))
+        partner = None
+        if self.partner_runs > 0:
+            partner = PartnerRuns(task, self.partner_runs, self.spread, MAX_RUNS)
+        answered = partial(self._answered, task, {}, partner)
+        found = yield from grown(task, self.runs, MAX_RUNS, self.spread, answered)
+        return found if partner is None else partner.noted(found)
 
     def _answered(
-        self, task: Task, known: dict[Tried, GaussianProcess], runs: Sequence[DesignRuns]
+        self,
+        task: Task,
+        known: dict[Tried, GaussianProcess],
+        partner: PartnerRuns | None,
+        runs: Sequence[DesignRuns],
     ) -> Learned:
         kinds = [self._kind(task, known, kind, own) for kind, own in enumerate(runs)]
+        gains = [math.nan] * len(kinds)
+        if partner is not None:
+            partner.note = ""
+            for kind, alone in enumerate(kinds):
+                fit = partial(self._fitted, task, {}, kind)
+                kinds[kind], gains[kind] = with_partner(task, partner, kind, alone, fit)
         warp = warp_for(task, runs[0]) if self.warp and self.noise is None else None
         if warp is not None:
             asked, seen = transformed(task, runs[0], warp)
             warped = self._kind(task, {}, 0, seen)
             # in the same unit: the mean logarithm of the transformation's slope is 0
             if warped[1].validated.log_density > kinds[0][1].validated.log_density:
-                task, kinds = asked, [warped]
+                task, kinds, gains = asked, [warped], [math.nan]
             else:
                 warp = None
-        largest = max(own.y.size for own in runs)
+        largest = max(surface.size for surface, _ in kinds)
         fitted = [fitted for _, fitted in kinds]
         found = surface_estimates(
             task, fitted, task.generator(1),
@@ -180,11 +216,11 @@ class Kriging(SequentialMethod):
             max_points=min(MAX_POINTS, _MOST_CORRELATIONS // largest),
             stated_noise=self.noise,
         )  # fmt: skip
-        return Learned(task, fitted, found, partial(_details, kinds, warp), warp)
+        return Learned(task, fitted, found, partial(_details, kinds, gains, partner, warp), warp)
 
     def _kind(
         self, task: Task, known: dict[Tried, GaussianProcess], kind: int, runs: DesignRuns
-    ) -> tuple[GaussianProcess, FittedKind]:
+    ) -> tuple[SurfaceOfKind, FittedKind]:
         """Fit the surface of one kind of units."""
         fits, stopped = task.summed_up(partial(self._fitted, task, known, kind, runs))
         surface, *others = fits
@@ -200,7 +236,7 @@ class Kriging(SequentialMethod):
         runs: DesignRuns,
         stopped: str,
     ) -> tuple[list[GaussianProcess], str]:
-        """Processes of one kind with the trends and kernels that are tried, the best one first.
+        """SurfaceOfKind of one kind with the trends and kernels that are tried, the best one first.
 
         Those `known` from fewer runs are where the search for their hyperparameters starts. When
         the time is over, the quickest alone, and why there are no more.
@@ -239,14 +275,20 @@ class Kriging(SequentialMethod):
 
 
 def _details(
-    kinds: Sequence[tuple[GaussianProcess, FittedKind]], warp: Warp | None, errors: ErrorParts
+    kinds: Sequence[tuple[SurfaceOfKind, FittedKind]],
+    gains: Sequence[float],
+    partner: PartnerRuns | None,
+    warp: Warp | None,
+    errors: ErrorParts,
 ) -> KrigingDetails:
     details = []
-    for surface, fitted in kinds:
+    evals, failed = (0, 0) if partner is None else (partner.evals, partner.failed)
+    for (surface, fitted), gain in zip(kinds, gains, strict=True):
         scatter, validated = float(surface.y.std()), fitted.validated
         relative = validated.rms / scatter if scatter > 0.0 else 0.0
         shown = surface if warp is None else WarpedSurface(surface, warp)
-        details.append(KrigingDetails(shown, validated, relative, errors))
+        found = KrigingDetails(shown, validated, relative, errors)
+        details.append(replace(found, partner_evals=evals, partner_failed=failed, gain=gain))
     return replace(details[0], of_other_kinds=tuple(details[1:]))
 
 

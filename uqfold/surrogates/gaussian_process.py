@@ -78,6 +78,11 @@ class GaussianProcess:
     rotation: FloatArray | None = None
 
     @property
+    def size(self) -> int:
+        """Number of training points."""
+        return self.y.size
+
+    @property
     def noise_std(self) -> float:
         """Standard deviation of the noise, in the unit of the response."""
         return math.sqrt(self.hyperparameters.noise_variance)
@@ -143,6 +148,10 @@ class GaussianProcess:
             spread[rows] = variance - explained - 2.0 * mixed + of_trend
         floor = JITTER * variance
         return mean + self._centre, np.sqrt(np.maximum(spread, floor))
+
+    def product(self, first: FloatArray, second: FloatArray) -> float:
+        """Return first' P second of values (n,) at the runs, whatever the trend is of both."""
+        return float((first - first.mean()) @ self._projection.matrix @ (second - second.mean()))
 
     def leave_one_out(self) -> LeaveOneOut:
         """Leave-one-out residuals and their stated standard deviations, from one factorisation."""
