@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize
 from scipy.special import gammainccinv, log_ndtr, ndtr
+from scipy.stats import beta as beta_law
 from scipy.stats import chi
 
 import uqfold
@@ -635,3 +636,22 @@ def test_the_plane_is_looked_at_where_units_in_parallel_fail_together(
     else:
         assert row.status == "doubtful"
         assert "the system fails" in row.message
+
+
+def test_a_search_that_leaves_its_space_is_no_failure() -> None:
+    """OpenTURNS stepped to NaN near the bound of an input, and the row was `failed`."""
+
+    def model(x: FloatArray) -> FloatArray:
+        m = 0.25628371 * x[:, 0]
+        own = 0.42194625 * (1.0 + 0.2 * np.tanh(m)) * x[:, 1]
+        return np.asarray(m + 0.3 * m**2 / (1.0 + 0.1 * m**2) + own)
+
+    problem = uqfold.Problem(
+        model,
+        shared={"V": beta_law(2.69511897, 2.55554326)},
+        individual={"U": beta_law(1.54154595, 3.03295675)},
+        units=[uqfold.Unit(offset=one) for one in (0.23171885, 0.0, -0.35939062, 0.0, 0.0)],
+    )
+    row = FORM.estimate(problem, criteria(0.89732724), rng=148)[0]
+    assert row.status == "doubtful"
+    assert 0.0 <= row.pf < 1e-3

@@ -200,12 +200,12 @@ class DesignPointSearch:
         deferred = DeferredInterrupt()
 
         def margin(u: Any) -> list[list[float]]:
-            y = response.values(np.array(u))
+            y = response.values(_somewhere(u))
             g = np.clip((search.threshold - y) / start.slope, -FURTHEST_MARGIN, FURTHEST_MARGIN)
             return [[value] for value in g.tolist()]
 
         def gradient(u: Any) -> list[list[float]]:
-            here = response.linearise(np.array(u))
+            here = response.linearise(_somewhere(u))
             search.trace.append((here, algorithm))
             return [[-value] for value in (here.gradient / start.slope).tolist()]
 
@@ -238,6 +238,20 @@ class DesignPointSearch:
         fatal = [error for error in raised if not isinstance(error, NoGradientError)]
         if fatal:
             raise fatal[0]
+
+
+def _somewhere(u: Any) -> FloatArray:
+    """Return where OpenTURNS looks next, unless its step from a point without slope led nowhere.
+
+    Raises
+    ------
+    NoGradientError
+        If a coordinate is not finite.
+    """
+    found = np.array(u, dtype=float)
+    if not np.isfinite(found).all():
+        raise NoGradientError("the search left the space of its variables")
+    return found
 
 
 def _noting(
