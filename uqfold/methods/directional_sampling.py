@@ -34,8 +34,9 @@ BEYOND = 1e-3
 PLACES, CLOSELY = 5, 8
 """Runs on each ray to begin with; where rays meet failure more than once they are looked at more
 closely, as those of the first round are."""
-NARROW = 0.05
-"""Failures in pieces between the places of rays, of more than this part of pf, are a doubt."""
+NARROW, UNCLEAR = 0.05, 0.2
+"""Failures in pieces between the places of rays, of more than this part of pf, are a doubt; so they
+are where their standard error is more than that part."""
 BESIDE_ORIGIN = 1e-6
 """Probability of what is nearer to the origin than where rays begin if no run succeeds there."""
 COST = 11.0
@@ -238,9 +239,9 @@ class Fans:
         if between.size < 2:
             return []
         mean, error = float(between.mean()), float(between.std(ddof=1)) / math.sqrt(between.size)
-        if mean <= max(NARROW * pf, 2.0 * error):
+        if mean <= max(NARROW * pf, 2.0 * error) and error <= UNCLEAR * pf:
             return []
-        part = f"{100.0 * mean / pf:.0f} % of pf" if pf > 0.0 else "some of pf"
+        part = f"{100.0 * max(mean, error) / pf:.0f} % of pf" if pf > 0.0 else "some of pf"
         return [f"{part} may lie in narrow regions that rays step over"]
 
     @property
