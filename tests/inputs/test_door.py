@@ -285,8 +285,8 @@ def test_a_density_that_integrates_to_one_is_taken() -> None:
     assert product_inputs(None, of_density(1.0, bounded=True)).dimension == 1
 
 
-@pytest.mark.parametrize("law", [stats.norminvgauss(2, 1), stats.levy_stable(1.5, 0.5)], ids=_name)
-def test_a_law_that_scipy_fails_on_is_named_with_a_remedy(law: Any) -> None:
+def test_a_law_that_scipy_fails_on_is_named_with_a_remedy() -> None:
+    law = stats.levy_stable(1.5, 0.5)
     with pytest.raises(ValueError, match=rf"input 'load': scipy.stats.{law.dist.name}\(") as caught:
         Problem(lambda x: x[:, 0], individual={"load": law})
     assert "give another family, or openturns.KernelSmoothing().build(sample)" in str(caught.value)

@@ -53,9 +53,11 @@ def test_no_failure_on_the_surface_is_no_certainty() -> None:
     assert math.isnan(row.std_error)
 
 
-def test_a_threshold_at_infinity_stays_certain() -> None:
+def test_a_threshold_at_infinity_is_a_doubt() -> None:
+    """A surface of finite responses knows of no infinite ones."""
     row = answer(lambda x: x.sum(axis=1), math.inf)
-    assert (row.pf, row.std_error, row.status) == (0.0, 0.0, "converged")
+    assert (row.pf, row.status) == (0.0, "doubtful")
+    assert math.isnan(row.std_error)
 
 
 @pytest.mark.parametrize("threshold", [0.0, 1.0])
