@@ -408,3 +408,26 @@ def _is_number(value: object) -> bool:
     if isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "m":
         return False
     return isinstance(value, Real | Decimal)
+
+
+LARGEST_SCATTER = 1e120
+"""What moments and fits can square."""
+
+
+def check_scatter(y: FloatArray, smallest: float = 0.0) -> None:
+    """Refuse responses, of which some are finite, that fits and moments cannot square.
+
+    Raises
+    ------
+    ValueError
+        If finite ones scatter by less than the smallest scatter, or by too much.
+    """
+    import numpy as np
+
+    finite = y[np.isfinite(y)]
+    least, most = float(finite.min(initial=np.inf)), float(finite.max(initial=-np.inf))
+    if least < most and not smallest <= most - least <= LARGEST_SCATTER:
+        raise ValueError(
+            f"responses from {least:g} to {most:g} cannot be fitted, since a fit squares their "
+            f"scatter ({smallest:g} to {LARGEST_SCATTER:g}): state them in another unit"
+        )

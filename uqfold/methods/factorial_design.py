@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from uqfold.checks import refused, several, whole
+from uqfold.checks import check_scatter, refused, several, whole
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
@@ -23,7 +23,6 @@ from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import Moments, moments_from_rule
 from uqfold.moments.families import Fit
 from uqfold.moments.quadrature import tensor_grid
-from uqfold.surrogates.centring import check_scatter
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray

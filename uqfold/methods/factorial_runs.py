@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from uqfold.checks import check_scatter
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
@@ -16,7 +17,6 @@ from uqfold.methods.factorial_inner import Grids
 from uqfold.methods.factorial_rules import GaussRule, rule_of, rules_of
 from uqfold.methods.factorial_surface import FactorialSurface, Patch
 from uqfold.moments.quadrature import tensor_grid
-from uqfold.surrogates.centring import check_scatter
 from uqfold.typing import FloatArray
 
 MORE = 2

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from uqfold.checks import check_scatter
 from uqfold.typing import FloatArray
 
-SMALLEST_SCATTER, LARGEST_SCATTER = 1e-120, 1e120
+SMALLEST_SCATTER = 1e-120
 """What fits can square, and its rounding errors too."""
 
 
@@ -23,20 +22,3 @@ def centre_of(y: FloatArray) -> float:
         return least
     check_scatter(y, SMALLEST_SCATTER)
     return float(y.mean())
-
-
-def check_scatter(y: FloatArray, smallest: float = 0.0) -> None:
-    """Refuse responses, of which some are finite, that fits and moments cannot square.
-
-    Raises
-    ------
-    ValueError
-        If finite ones scatter by less than the smallest scatter, or by too much.
-    """
-    finite = y[np.isfinite(y)]
-    least, most = float(finite.min(initial=np.inf)), float(finite.max(initial=-np.inf))
-    if least < most and not smallest <= most - least <= LARGEST_SCATTER:
-        raise ValueError(
-            f"responses from {least:g} to {most:g} cannot be fitted, since a fit squares their "
-            f"scatter ({smallest:g} to {LARGEST_SCATTER:g}): state them in another unit"
-        )
