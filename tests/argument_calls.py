@@ -174,7 +174,7 @@ WITHOUT_ARGUMENT_CHECKS = {
     "analysis.Scan.of",
     "evaluation.EvaluationSession.report", "evaluation.EvaluationSession.stream",
     "evaluation.EvaluationSession.expect", "evaluation.EvaluationSession.share",
-    "evaluation.EvaluationSession.admit", "evaluation.Processes.discard", "evaluation.Store.get",
+    "evaluation.EvaluationSession.admit", "evaluation.EvaluationSession.label", "evaluation.Processes.discard", "evaluation.Store.get",
     "evaluation.Store.put", "Evaluator.open", "Evaluator.session", "Evaluator.session_of_told",
     "methods.AskTellSession", "methods.AskTellSession.replay",
     "methods.FullFactorial.grids", "methods.SparseGrid.grids", "methods.DimensionReduction.grids",
