@@ -147,6 +147,22 @@ def test_cases_are_listed(three: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert [line.split()[1] for line in lines] == ["b", "a", "c"]
 
 
+def test_programs_get_json(three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The list, what a check finds, and verdicts with what changed; exit codes are the same."""
+    words = ("--cases", three, "--json")
+    assert run("--list", *words) == 0
+    assert [one["case"] for one in json.loads(capsys.readouterr().out)] == ["b", "a", "c"]
+    assert run("a", "--check", *words) == 1
+    assert "no record" in json.loads(capsys.readouterr().out)["a"][0]
+    assert run(*words, "--out", tmp_path / "out") == 1
+    told = json.loads(capsys.readouterr().out)
+    assert [one["verdict"] for one in told["cases"]] == ["holds", "holds", "does not hold"]
+    assert "does not hold, and no record" in told["cases"][2]["changed"][0]
+    with pytest.raises(SystemExit):
+        main(["report", str(tmp_path / "out"), "--json"])
+    assert json.loads(capsys.readouterr().out)["report"].endswith("report.html")
+
+
 def test_an_interruption_keeps_what_is_finished(
     three: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

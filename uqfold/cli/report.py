@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uqfold.cli.invocation import option, usage
+from uqfold.cli.invocation import AsJson, option, say_json, usage
 from uqfold.cli.streams import shown_path
 
 REPORT_HELP = """Write the report on records: one HTML file that needs nothing else, or Markdown.
@@ -30,6 +30,7 @@ def report_command(
     out: Annotated[
         Path | None, option("FILE", "An .html or .md file. Default: report.html in RUN_DIR.")
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Write a report."""
     from uqfold.report.reports import write_report
@@ -37,5 +38,8 @@ def report_command(
     if out is None:
         out = (run_dir if run_dir.is_dir() else run_dir.parent) / "report.html"
     report, *pictures = usage(write_report, run_dir, out)
+    if as_json:
+        say_json({"report": shown_path(report), "pictures": list(map(shown_path, pictures))})
+        return
     beside = f", {len(pictures)} pictures in {pictures[0].parent.name}" if pictures else ""
     typer.echo(f"written: {shown_path(report)}{beside}")

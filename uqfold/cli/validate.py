@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import uqfold
-from uqfold.cli.invocation import Invocation, flag, option, usage
+from uqfold.cli.invocation import AsJson, Invocation, flag, option, usage
 
 if TYPE_CHECKING:
     from uqfold.validation.case import Tier
@@ -69,6 +69,7 @@ def validate_cases(
     cases: Annotated[
         Path | None, option("DIR", "Folder of the cases. Default: validation.")
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Measure validation cases."""
     from uqfold.cli import validation_session as session
@@ -79,10 +80,10 @@ def validate_cases(
         raise typer.BadParameter("--quick and --full: give one of them")
     found = usage(find_cases, cases or _default_cases(), names or ())
     if show:
-        session.print_cases(found)
+        session.print_cases(found, as_json=as_json)
         return
     if check:
-        raise typer.Exit(session.check_cases(found))
+        raise typer.Exit(session.check_cases(found, as_json=as_json))
     tier: Tier = "full" if full else "quick"
     if stale:
         found = session.stale_cases(found, tier)
@@ -91,7 +92,9 @@ def validate_cases(
     folder = out or Path("uqfold-results", f"validation-{tier}")
     validation = Validation(tier, folder, update if faults is None else faults)
     invocation: Invocation = context.obj
-    raise typer.Exit(session.measure_cases(found, validation, invocation, update=update))
+    raise typer.Exit(
+        session.measure_cases(found, validation, invocation, update=update, as_json=as_json)
+    )
 
 
 def _default_cases() -> Path:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
-from uqfold.cli.invocation import Invocation
+from uqfold.cli.invocation import Invocation, say_json
 from uqfold.cli.streams import EXIT_FAILED, EXIT_INTERRUPTED, say, shown_path, stdout_console
 from uqfold.report.progress import ComparisonProgressBar
 from uqfold.report.reports import KEPT_REPORT, write_kept_report
@@ -32,7 +32,12 @@ EXIT_CHANGED, EXIT_BROKEN = 1, 2
 
 
 def measure_cases(
-    cases: Sequence[Case], validation: Validation, invocation: Invocation, *, update: bool
+    cases: Sequence[Case],
+    validation: Validation,
+    invocation: Invocation,
+    *,
+    update: bool,
+    as_json: bool,
 ) -> int:
     """Measure cases, report, and keep the records if asked to; return the exit code."""
     check_writable(validation.folder)
@@ -67,7 +72,7 @@ def measure_cases(
         reports = page.write(validation.folder / "report.html")
         if update:
             reports += write_kept_report(cases[0].folder.parent)[:1]
-        _print_outcome(records, found, [validation.folder, *reports])
+        _print_outcome(records, found, [validation.folder, *reports], as_json=as_json)
     if interrupted:
         return EXIT_INTERRUPTED
     if any(record.broken for record in records):
@@ -77,9 +82,25 @@ def measure_cases(
 
 
 def _print_outcome(
-    records: Sequence[CaseRecord], found: Mapping[str, Sequence[str]], written: Sequence[Path]
+    records: Sequence[CaseRecord],
+    found: Mapping[str, Sequence[str]],
+    written: Sequence[Path],
+    *,
+    as_json: bool,
 ) -> None:
     """Print verdicts, which of them are not the kept ones, and what has been written."""
+    if as_json:
+        cases = [
+            {
+                "name": one.name,
+                "verdict": one.verdict,
+                "broken": list(one.broken),
+                "changed": list(found[one.name]),
+            }
+            for one in records
+        ]
+        say_json({"cases": cases, "written": list(map(shown_path, written))})
+        return
     out = stdout_console(quiet=False)
     print_verdicts(out, records)
     told = {
@@ -102,7 +123,7 @@ def _print_outcome(
         out.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
-def print_cases(cases: Sequence[Case]) -> None:
+def print_cases(cases: Sequence[Case], *, as_json: bool) -> None:
     """Print what each case claims."""
     listed = pd.DataFrame(
         {
@@ -114,6 +135,9 @@ def print_cases(cases: Sequence[Case]) -> None:
         }
         for case in cases
     )
+    if as_json:
+        say_json(listed.to_dict("records"))
+        return
     for line in joined(text_columns(listed)):
         stdout_console(quiet=False).print(line, soft_wrap=True)
 
@@ -125,7 +149,7 @@ def stale_cases(cases: Sequence[Case], tier: Tier) -> list[Case]:
     return stale
 
 
-def check_cases(cases: Sequence[Case]) -> int:
+def check_cases(cases: Sequence[Case], *, as_json: bool) -> int:
     """Say whether cases, kept records and code belong together; return the exit code."""
     found = {case.name: discrepancies(case) for case in cases}
     root = cases[0].folder.parent
@@ -137,10 +161,12 @@ def check_cases(cases: Sequence[Case]) -> int:
             again = shlex.join(["uqfold", "report", shown_path(root), "--out", shown_path(report)])
             wrong = f"the report is not what this code draws from the records, remake it: {again}"
             found[KEPT_REPORT] = [wrong]
+    failed = any(found.values())
+    if as_json:
+        say_json(found)
     for name, lines in found.items():
         for text in lines:
             say(f"{name}: {text}")
-    failed = any(found.values())
     if not failed:
         say(f"{counted(len(cases), 'case')}: records, code and claims belong together")
     return EXIT_FAILED if failed else 0
