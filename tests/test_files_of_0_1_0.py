@@ -58,9 +58,9 @@ def test_nothing_in_a_store_is_taken_for_a_response_of_the_present_model(
 def test_a_session_is_read_and_its_method_of_other_settings_refused_by_name() -> None:
     """Kriging of 0.1.0 had no target for its error: what it asked for may differ from today's."""
     path = FILES / "session.npz"
-    ((x, y, told),) = session_file.read(path).batches
-    assert told.all()
-    np.testing.assert_allclose(y, 1.5 * x[:, 0] + x[:, 1], rtol=1e-12)
+    saved = session_file.read(path)
+    assert saved.told.all()
+    np.testing.assert_allclose(saved.y, 1.5 * saved.x[:, 0] + saved.x[:, 1], rtol=1e-12)
     method = uqfold.methods.Kriging(runs=16, trend="linear", kernel="gaussian")
     with pytest.raises(ValueError, match=r"belongs to another run: its method is .*runs=16.*here"):
         method.resume(path, spring(), uqfold.criteria(3.0), rng=3)

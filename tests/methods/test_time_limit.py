@@ -20,6 +20,7 @@ from uqfold.methods import (
     PolynomialChaos,
     ReliabilityMethod,
 )
+from uqfold.methods.openturns_search import DesignPointSearch
 from uqfold.problems import Problem
 from uqfold.problems.criterion import criteria
 from uqfold.surrogates.gaussian_process import fit_gaussian_process
@@ -113,20 +114,27 @@ def test_too_few_runs_are_none(slow: Callable[..., Any], method: ReliabilityMeth
 
 
 @pytest.mark.parametrize(
-    ("method", "hook"),
-    [(OpenTURNSFORM(), "_run"), (OpenTURNSMonteCarlo(block_size=10), "_simulate")],
+    ("method", "of", "hook"),
+    [
+        (OpenTURNSFORM(), DesignPointSearch, "_run"),
+        (OpenTURNSMonteCarlo(block_size=10), OpenTURNSMonteCarlo, "_simulate"),
+    ],
 )
 def test_no_criterion_is_begun_after_the_limit(
-    slow: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, method: ReliabilityMethod, hook: str
+    slow: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+    method: ReliabilityMethod,
+    of: type,
+    hook: str,
 ) -> None:
     """Many criteria do not stretch the limit: OpenTURNS is not started for those that are left."""
-    begin, begun = getattr(type(method), hook), []
+    begin, begun = getattr(of, hook), []
 
     def counted(*words: Any) -> Any:
         begun.append(words)
         return begin(*words)
 
-    monkeypatch.setattr(type(method), hook, counted)
+    monkeypatch.setattr(of, hook, counted)
     asked = criteria(np.linspace(10.2, 13.0, 60).tolist())
     result = method.estimate(criteria=asked, **slow(40.0))
     assert result.n_evals == 40

@@ -127,6 +127,9 @@ class Kriging(SequentialMethod):
         Whether responses that span decades may be transformed first, by a power or a logarithm that
         is found from the runs, if this predicts left-out runs better; `noise`, units that differ
         and a synchronization threshold keep them as they are.
+    partner_runs
+        Runs of the problem's `low_fidelity` for each run of the model: a surface of the partner is
+        fitted to them, and the model's runs only have to tell the difference. 0: none.
 
     Raises
     ------
