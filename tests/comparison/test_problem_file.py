@@ -90,6 +90,16 @@ def test_a_file_states_what_python_would() -> None:
     assert pickle.loads(pickle.dumps(problem.model))(x).tolist() == [4.0]
 
 
+def test_references_without_a_threshold_answer_the_criteria_in_turn() -> None:
+    text = FILE.replace("[4.0, 5.0]", "5.0").replace("missions = [1, {", "# [{")
+    known = "[[references]]\nthreshold = 5.0\n"
+    problem = stated(text.replace(known, "[[references]]\n"))
+    assert problem.references is not None
+    assert [(one.pf, one.std_error) for one in problem.references] == [(0.0005, 0.00001)]
+    with pytest.raises(ValueError, match=r"references.*give the threshold that it answers"):
+        stated(text.replace(known, "[[references]]\nmissions = 1\n"))
+
+
 def test_paths_are_relative_to_the_file_and_a_mark_of_utf_8_is_none_of_it(tmp_path: Path) -> None:
     (tmp_path / "sub").mkdir()
     (tmp_path / "stated_model.py").rename(tmp_path / "sub" / "stated_model.py")

@@ -80,6 +80,9 @@ def test_what_is_cut_off_is_the_larger_of_zero_and_the_whole() -> None:
     assert not marginal.steps
     both = _marginal(censored(stats.norm(0.5, 1.0), low=0.0, high=2.0))
     np.testing.assert_allclose(both.from_normal(u), np.clip(u + 0.5, 0.0, 2.0), atol=1e-12)
+    # a bound need not be a whole number
+    either = _marginal(censored(stats.norm(), low=-1.5, high=0.25))
+    np.testing.assert_allclose(either.from_normal(u), np.clip(u, -1.5, 0.25), atol=1e-12)
     own = stats.truncnorm(-0.5, math.inf, 0.5, 1.0)
     mean = own.mean() * ndtr(0.5)
     square = (own.var() + own.mean() ** 2) * ndtr(0.5)
@@ -103,6 +106,15 @@ def test_a_mixture_of_both_is_taken_apart() -> None:
     assert not marginal.steps
     gap = ot.Mixture([ot.Dirac(0.0), ot.Uniform(1.0, 2.0)], [0.5, 0.5])
     assert _marginal(gap).steps
+
+
+def test_listed_values_lie_where_they_like() -> None:
+    apart = _marginal(discrete([-1e6, 1e6, 4e9], [0.3, 0.6, 0.1]))
+    assert apart.from_normal(np.array([-3.0, 0.0, 3.0])).tolist() == [-1e6, 1e6, 4e9]
+    points = ot.Mixture([ot.Dirac(1.5), ot.Bernoulli(0.5), ot.Dirac(1.0)], [0.2, 0.4, 0.4])
+    assert _marginal(points).cdf(np.array([0.0, 1.0, 1.4, 1.5])) == pytest.approx(
+        [0.2, 0.8, 0.8, 1.0]
+    )
 
 
 def test_draws_and_descriptions() -> None:

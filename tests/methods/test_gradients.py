@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -65,8 +66,14 @@ def _raises(x: Any) -> Any:
         (lambda x: 1.2 * _slopes(x), "the gradient says"),
         (lambda x: _slopes(x)[0], r"has shape \(20,\) for inputs of \(1, 20\)"),
         (_raises, "the gradient raised ArithmeticError: no slope today"),
+        (lambda x: sys.exit(3), "the gradient raised SystemExit"),
+        (np.zeros_like, "the gradient says 0 per standard deviation"),
+        (
+            lambda x: _slopes(x) if (x == 1.0).all() else -_slopes(x),
+            "the gradient says -0.2.*, differences 0.2",
+        ),
     ],
-    ids=["sign", "factor", "shape", "raises"],
+    ids=["sign", "factor", "shape", "raises", "exits", "zero", "right once"],
 )
 def test_a_wrong_gradient_is_told_and_not_used(gradient: Any, message: str) -> None:
     right = SORM().estimate(_problem(None), 24.0)[0]
@@ -79,10 +86,15 @@ def test_a_wrong_gradient_is_told_and_not_used(gradient: Any, message: str) -> N
 
 def test_where_it_is_not_a_number_differences_are_taken() -> None:
     plain = SORM().estimate(_problem(None), 24.0)
-    holes = SORM().estimate(_problem(lambda x: np.full(x.shape, np.nan)), 24.0)
-    assert holes.pf.tolist() == plain.pf.tolist()
-    assert holes.n_evals == plain.n_evals
-    assert holes.n_gradients > 0
+    for gradient in (
+        lambda x: np.full(x.shape, np.nan),
+        lambda x: np.ma.masked_array(-_slopes(x), mask=True),
+        lambda x: (1.0 + 1.0j) * _slopes(x),
+    ):
+        holes = SORM().estimate(_problem(gradient), 24.0)
+        assert holes.pf.tolist() == plain.pf.tolist()
+        assert holes.n_evals == plain.n_evals
+        assert holes.n_gradients > 0
 
 
 def test_a_gradient_that_is_wrong_only_far_from_the_start_is_no_converged_answer() -> None:

@@ -239,6 +239,11 @@ def _references(given: Any, folder: Path) -> Any:
         return read_records(folder / given)
     if not all(isinstance(one, dict) for one in given):
         return several("references", given, lambda _, one: one)
+    if not any({"threshold", "tau", "missions"} & set(one) for one in given):
+        return [(one["pf"], one.get("std_error", 0.0)) for one in given]
+    without = next((one for one in given if "threshold" not in one), None)
+    if without is not None:
+        raise refused("references", without, "give the threshold that it answers")
     return {
         Criterion(one["threshold"], one.get("tau"), _missions(one.get("missions", 1))): (
             one["pf"], one.get("std_error", 0.0)

@@ -6,11 +6,12 @@ import numpy as np
 
 from uqfold.checks import raised
 from uqfold.evaluation.errors import GradientError
+from uqfold.problems.responses import numbers_in
 from uqfold.typing import FloatArray, Model
 
 
 def gradients_at(gradient: Model, x: FloatArray) -> FloatArray:
-    """Return what a gradient function says at rows.
+    """Return what a gradient function says at rows; NaN where an entry is masked or no number.
 
     Parameters
     ----------
@@ -22,12 +23,12 @@ def gradients_at(gradient: Model, x: FloatArray) -> FloatArray:
     Raises
     ------
     GradientError
-        If it raises, or returns something of another shape.
+        If it raises (`sys.exit()` included), or returns something of another shape or no numbers.
     """
     try:
         with np.errstate(all="ignore"):
-            found = np.asarray(gradient(x.copy()), dtype=np.float64)
-    except Exception as error:
+            found = numbers_in(gradient(x.copy()))
+    except (Exception, SystemExit) as error:
         raise GradientError(f"the gradient raised {raised(error)}") from error
     if found.shape != x.shape:
         raise GradientError(f"the gradient has shape {found.shape} for inputs of {x.shape}")

@@ -7,11 +7,12 @@ numbers, ever further out until there are none; what is not whole has to list it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from uqfold.inputs.behind import family_of
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.marginal import called
 from uqfold.inputs.wrapped import ChaospyLaw
@@ -22,6 +23,10 @@ ValueTable: TypeAlias = tuple[FloatArray, FloatArray]
 
 MOST_VALUES = 1_000_000
 """Values of one input at most."""
+LISTED = "FiniteDiscreteDistribution"
+"""OpenTURNS' name of a distribution that lists its values."""
+MISSING = 1e-9
+"""What probabilities may lack of one, and a distribution function may differ from their sum."""
 _SMALLEST = 1e-300
 """Numbers are taken so far out as their probability is at least this."""
 _DEVIATIONS = 10.0
@@ -35,21 +40,51 @@ def table_of(distribution: Any) -> ValueTable:
     Raises
     ------
     ValueError
-        If it takes more than a million values.
+        If it takes more than a million values, or their probabilities do not add up.
     """
+    return joined([(weight, _own_table(part)) for weight, part in parts_of(distribution)])
+
+
+def joined(tables: Sequence[tuple[float, ValueTable]]) -> ValueTable:
+    """Return the table of a mixture of tables, each with its weight."""
+    values, at = np.unique(np.concatenate([x for _, (x, _) in tables]), return_inverse=True)
+    weighted = np.concatenate([weight * p for weight, (_, p) in tables])
+    return values, np.bincount(at, weighted).astype(np.float64)
+
+
+def parts_of(distribution: Any, weight: float = 1.0) -> Iterator[tuple[float, Any]]:
+    """Weights and distributions that an OpenTURNS mixture is made of, to any depth."""
+    own, family = family_of(distribution)
+    if family != "Mixture":
+        yield weight, distribution
+        return
+    weights = np.array(own.getWeights())
+    for share, part in zip(weights / weights.sum(), own.getDistributionCollection(), strict=True):
+        if share > 0.0:
+            yield from parts_of(part, weight * float(share))
+
+
+def _own_table(distribution: Any) -> ValueTable:
+    """Return the table of what is no mixture; errors as in `table_of`."""
 
     def probability(x: FloatArray) -> FloatArray:
         return called(distribution.computePDF, x[:, None]).ravel()
 
-    if distribution.isIntegral():
+    # values that are listed may lie far apart, and Dirac calls itself integral wherever it is
+    if distribution.isIntegral() and family_of(distribution)[1] not in (LISTED, "Dirac"):
         reach = distribution.getRange()
         low, high = reach.getLowerBound()[0], reach.getUpperBound()[0]
         ends = reach.getFiniteLowerBound()[0], reach.getFiniteUpperBound()[0]
-        return _whole_numbers(probability, (low, high), (bool(ends[0]), bool(ends[1])))
-    values = np.array(distribution.getSupport(), dtype=np.float64).ravel()
-    _check_number(len(values))
-    values = np.sort(values)
-    return _occurring(values, probability(values))
+        table = _whole_numbers(probability, (low, high), (bool(ends[0]), bool(ends[1])))
+    else:
+        values = np.array(distribution.getSupport(), dtype=np.float64).ravel()
+        _check_number(len(values))
+        values = np.sort(values)
+        table = _occurring(values, probability(values))
+    total = float(table[1].sum())
+    if not abs(total - 1.0) <= MISSING:
+        raise ValueError(f"the probabilities of its values add up to {total:.9g}")
+    return table
 
 
 def of_scipy(frozen: Any, name: str) -> Any:

@@ -16,13 +16,11 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from uqfold.inputs.behind import family_of
-from uqfold.inputs.counts import table_of
+from uqfold.inputs.counts import LISTED, MISSING, joined, parts_of, table_of
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.marginal import Marginal, called
 from uqfold.typing import FloatArray
 
-_MISSING = 1e-9
-"""What probabilities may lack of one, and a distribution function may differ from their sum."""
 _FURTHEST, _NUDGE, _NOTHING = 8.0, 1e-3, 1e-6
 """How a gap beside an atom is seen: of what lies between it and the value so small a normal step
 away, less than this share lies in the nearer half."""
@@ -125,7 +123,7 @@ class DiscreteMarginal(SteppedMarginal):
 
     def __str__(self) -> str:
         own, family = family_of(self.distribution)
-        if family != "FiniteDiscreteDistribution":
+        if family != LISTED:
             return str(self.distribution)
         if own.getName() not in ("", "Unnamed", family):
             return str(own.getName())
@@ -229,14 +227,11 @@ def discrete_marginal(distribution: Any) -> DiscreteMarginal:
     """
     values, probabilities = table_of(distribution)
     found = DiscreteMarginal(distribution, values, probabilities)
-    total = float(probabilities.sum())
-    if not abs(total - 1.0) <= _MISSING:
-        raise ValueError(f"the probabilities of its values add up to {total:.9g}")
     if len(values) < 2:
         raise ValueError(f"it takes the value {values[0]:g} only: make that a part of the model")
     some = found.from_normal(np.linspace(-6.0, 6.0, 25))
     stated = called(distribution.computeCDF, some[:, None]).ravel()
-    if not (apart := np.abs(found.cdf(some) - stated)).max() <= _MISSING:
+    if not (apart := np.abs(found.cdf(some) - stated)).max() <= MISSING:
         at = int(np.argmax(apart))
         raise ValueError(
             f"its distribution function is {stated[at]:.6g} at {some[at]:g}, where the "
@@ -263,30 +258,15 @@ def mixed_marginal(
         As `discrete_marginal` and `checked` do.
     """
     ot = openturns()
-    parts = list(_parts(distribution, 1.0))
+    parts = list(parts_of(distribution))
     steps = [(weight, part) for weight, part in parts if part.isDiscrete()]
     smooth = [(weight, part) for weight, part in parts if part.isContinuous()]
     if len(steps) + len(smooth) < len(parts) or not (steps and smooth):
         return None
     rest = ot.Mixture([part for _, part in smooth], [weight for weight, _ in smooth])
-    tables = [(weight, *table_of(part)) for weight, part in steps]
-    values, at = np.unique(np.concatenate([x for _, x, _ in tables]), return_inverse=True)
-    weighted = np.concatenate([weight * p for weight, _, p in tables])
-    probabilities = np.bincount(at, weighted).astype(np.float64)
+    values, probabilities = joined([(weight, table_of(part)) for weight, part in steps])
     own = checked(smooth[0][1] if len(smooth) == 1 else rest)
     return MixedMarginal(distribution, values, probabilities, own)
-
-
-def _parts(distribution: Any, weight: float) -> Any:
-    """Weights and distributions that a mixture is made of, to any depth."""
-    own, family = family_of(distribution)
-    if family != "Mixture":
-        yield weight, distribution
-        return
-    weights = np.array(own.getWeights())
-    for share, part in zip(weights / weights.sum(), own.getDistributionCollection(), strict=True):
-        if share > 0.0:
-            yield from _parts(part, weight * float(share))
 
 
 def _score(below: FloatArray, above: FloatArray) -> FloatArray:

@@ -135,12 +135,22 @@ class DesignPointSearch:
                     search = self._second(response, search, search.rival)
                 if search.error <= self.tolerance and search.rival is None and self.starts > 1:
                     self._check(response, search)
+            if self._astray(search) and response.doubts_gradient(search.trace[-1][0].u):
+                search = self._search(response, threshold, known)
+                search.n_evals = response.session.n_evals - before
+                return search
             if search.error > LOOSE_RESIDUAL and not search.out_of_reach:
                 search.look_everywhere(response)
         except BudgetExceededError as error:
             search.cut = str(error)
         search.n_evals = response.session.n_evals - before
         return search
+
+    def _astray(self, search: Search) -> bool:
+        """Whether a search ended where a wrong gradient may have led it."""
+        beta, ahead = (one.beta(search.threshold) for one in (search.best, search.start))
+        strange = search.rival is not None or search.several or beta * ahead < 0.0
+        return not search.out_of_reach and (search.error > self.tolerance or strange)
 
     def _second(self, response: StandardSpaceResponse, first: Search, point: FloatArray) -> Search:
         """Search again from a point that is beyond the limit state; keep the nearer result."""

@@ -165,10 +165,10 @@ class StandardSpaceResponse:
     def linearise(self, u: FloatArray) -> Linearisation:
         """Value and gradient at u (d,): one run with the model's own gradient, else 2 d + 1.
 
-        The first time both are asked for: where they contradict each other, differences are used
-        from then on, and `refuted` says why. They are also used where the model's own is not a
-        number, and beyond `SEARCH_RADIUS`. Where one of the two neighbours in a direction has an
-        infinite response, the difference is one-sided.
+        The first time, and where the model's own is zero, both are asked for: where they contradict
+        each other, differences are used from then on, and `refuted` says why. They are also used
+        where the model's own is zero or not a number, and beyond `SEARCH_RADIUS`. Where one of the
+        two neighbours in a direction has an infinite response, the difference is one-sided.
 
         Raises
         ------
@@ -178,19 +178,29 @@ class StandardSpaceResponse:
         own = self._own_gradient(u)
         if own is None:
             return self._by_differences(u)
-        if not self._confirmed:
+        if not (self._confirmed and own.any()):
             known = self._by_differences(u)
-            self.refuted = self._contradiction(u, own)
-            if self.refuted:
-                self.gradient = None
+            if self._doubts(u, own) or not own.any():
                 return known
             self._confirmed = True
         centre = float(self.values(u[None, :])[0])
         if not math.isfinite(centre):
             raise NoGradientError(f"the response is {centre} at u = {shown(u)}")
-        if not math.hypot(*own) > 0.0:
-            raise NoGradientError(f"the response is stationary around u = {shown(u)}")
         return Linearisation(u, centre, own)
+
+    def doubts_gradient(self, u: FloatArray) -> bool:
+        """Whether the model's own gradient, if it is in use, contradicts differences at u (d,).
+
+        Then differences are used from then on, and `refuted` says why. Errors as in `values`.
+        """
+        own = self._own_gradient(u)
+        return own is not None and self._doubts(u, own)
+
+    def _doubts(self, u: FloatArray, own: FloatArray) -> bool:
+        self.refuted = self._contradiction(u, own)
+        if self.refuted:
+            self.gradient = None
+        return bool(self.refuted)
 
     def _own_gradient(self, u: FloatArray) -> FloatArray | None:
         """Return the model's gradient (d,) by u, by the chain rule; None where there is none."""
