@@ -796,7 +796,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "blocks": optional(count()),
                 "missions_per_draw": count(),
                 "partner_blocks": count().also("zero"),
-                "target_cov": number(),
+                "target_cov": optional(number()),
             },
         ),
         "methods.MultifidelityMonteCarlo": Call(

@@ -151,6 +151,43 @@ def test_cost_and_details_follow_from_the_settings() -> None:
     )
 
 
+def test_it_stops_at_the_target_wherever_the_budget_ends() -> None:
+    """Every row meets it, no later for a larger budget; without a target all is run."""
+    asked, problem = criteria([11.0, 12.5], tau=[None, 2.5]), SYSTEM.problem()
+    exact = np.array([SYSTEM.pf(criterion) for criterion in asked])
+    method, answers = ConditionalMonteCarlo(target_cov=0.1), []
+    for seed in range(20):
+        result = method.estimate(problem, asked, rng=seed)
+        assert {row.status for row in result} == {"converged"}
+        assert all(row.std_error < 0.1 * row.pf for row in result)
+        answers.append(result)
+    pf = np.array([result.pf for result in answers])
+    stated = np.array([[row.std_error for row in result] for result in answers])
+    assert np.all(np.abs((pf - exact).mean(axis=0)) < 5.0 * stated.mean(axis=0) / math.sqrt(20))
+    assert len({result.n_evals for result in answers}) > 1
+    first = answers[0]
+    for budget, settings in ((first.n_evals, {}), (10 * first.n_evals, {"blocks": 777})):
+        again = replace(method, **settings).estimate(problem, asked, max_evals=budget, rng=0)
+        assert again.rows == tuple(
+            replace(row, seconds=other.seconds) for row, other in zip(first, again, strict=True)
+        )
+    everything = replace(method, target_cov=None).estimate(
+        problem, asked, max_evals=2 * first.n_evals, rng=0
+    )
+    assert everything.details.blocks == 2 * first.details.blocks
+
+
+def test_with_a_partner_it_stops_sooner() -> None:
+    method = ConditionalMonteCarlo(missions_per_draw=1, target_cov=0.05)
+    asked, problem = Criterion(11.5), SYSTEM.problem()
+    alone = method.estimate(problem, asked, rng=1)
+    helped = replace(method, partner_blocks=4).estimate(problem, asked, rng=1)
+    assert helped.n_evals < alone.n_evals
+    assert helped[0].status == "converged"
+    assert helped[0].std_error < 0.05 * helped[0].pf
+    assert helped.details.partner_evals < 2 * 5 * helped.n_evals
+
+
 def test_a_budget_below_what_was_asked_for_is_said() -> None:
     row = ConditionalMonteCarlo(blocks=50).estimate(
         SYSTEM.problem(), criteria(11.0), max_evals=3_000, rng=1
@@ -248,6 +285,7 @@ def test_problem_without_shared_inputs() -> None:
         ({"blocks": 1}, "blocks = 1: give a whole number >= 2, or None"),
         ({"blocks": 2.5}, "blocks = 2.5"),
         ({"missions_per_draw": 0}, "missions_per_draw = 0: give a whole number >= 1"),
+        ({"target_cov": 0.0}, "target_cov = 0"),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, int], message: str) -> None:

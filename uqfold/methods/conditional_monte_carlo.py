@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +16,7 @@ from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffe
 from uqfold.methods.conditional_sums import BLOCK_DRAWS, ConditionalSums
 from uqfold.methods.partner_control import PartnerControl
 from uqfold.methods.partner_sample import without_partner
-from uqfold.methods.result import TARGET_COV, Estimate
+from uqfold.methods.result import Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import CONDITIONAL_MONTE_CARLO
@@ -26,7 +27,9 @@ from uqfold.typing import FloatArray, IntArray
 CHUNK_BLOCKS = 32
 """Most blocks that are run together; has no influence on any number."""
 WITHOUT_A_BUDGET = 256
-"""Blocks when neither a number nor a budget is given."""
+"""Blocks when neither a number, a budget nor a target is given."""
+FIRST = 8
+"""Blocks to begin with where there is a target; they are doubled until it is met."""
 ARRANGEMENTS = 6
 """Ways in which the responses of a draw are put together to missions, where missions count."""
 
@@ -73,8 +76,8 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     ----------
     blocks
         Blocks of 16 shared draws; `max_evals` may allow fewer, then the status is
-        ``budget_exhausted``. None: as many as `max_evals` pays for; without a budget 256, or
-        what takes 5 million runs.
+        ``budget_exhausted``. None: as many as `max_evals` pays for; without a budget 256, or what
+        `target_cov` takes, and what takes 5 million runs at most.
     missions_per_draw
         Missions simulated for each shared draw: at least this many, and at least as many as the
         criteria name.
@@ -83,7 +86,8 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         answers the model's own blocks, and what it gets wrong there by chance, of which its mean
         over all others tells, is taken off the answer (a control variate). 0: it is not asked.
     target_cov
-        Largest standard error, relative to pf, of a row that is not ``doubtful``.
+        Stop early once the relative standard error of every criterion is at most this, for sure;
+        None: never. A row with a larger one, or with more than 10 % under None, is ``doubtful``.
 
     Raises
     ------
@@ -98,6 +102,10 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     too skewed for the interval of a mean. The interval then goes on to what shared inputs that no
     draw has shown may add, by the bound of Clopper and Pearson for as many systems as there are
     shared draws.
+
+    With `target_cov` the blocks are doubled until it is met. Where to stop depends on the failures,
+    so that pf is then about a tenth of its stated error too large in the mean. A partner is asked
+    anew for each doubling, at twice its runs in all at most.
 
     A partner leaves the answer without bias, whatever it is (``docs/multifidelity.md``); one that
     is of no use costs its runs on the model's own blocks, and the row says so. Its runs are counted
@@ -115,13 +123,13 @@ class ConditionalMonteCarlo(ReliabilityMethod):
     blocks: int | None = None
     missions_per_draw: int = 4
     partner_blocks: int = 0
-    target_cov: float = TARGET_COV
+    target_cov: float | None = None
 
     def __post_init__(self) -> None:
         keep(self, "blocks", or_none, whole, at_least=2)
         keep(self, "missions_per_draw", whole, at_least=1)
         keep(self, "partner_blocks", whole, at_least=0)
-        keep(self, "target_cov", real, above=0.0)
+        keep(self, "target_cov", or_none, real, above=0.0)
 
     @property
     def stochastic(self) -> bool:
@@ -141,7 +149,9 @@ class ConditionalMonteCarlo(ReliabilityMethod):
         affordable = task.session.remaining // per_block
         wanted = self.blocks
         if wanted is None:
-            most = min(WITHOUT_A_BUDGET, max(2, RUNS_WITHOUT_A_BUDGET // per_block))
+            most = max(2, RUNS_WITHOUT_A_BUDGET // per_block)
+            if self.target_cov is None:
+                most = min(most, WITHOUT_A_BUDGET)
             wanted = most if task.session.max_evals is None else int(affordable)
         planned = int(min(wanted, affordable))
         if planned < 2:
@@ -151,50 +161,101 @@ class ConditionalMonteCarlo(ReliabilityMethod):
             )
             return Solution([Estimate.without_answer("failed", message)] * len(task.criteria))
         task.session.expect(planned * per_block)
-        sums = ConditionalSums(task, missions)
-        arrangements: deque[IntArray] = deque()
+        drawn = _Blocks(task, missions)
+        sums, stopped = drawn.sums, ""
+        control: PartnerControl | None = None
+        partner_evals = partner_failed = 0
 
-        # the responses of a block may be there in every arrangement
-        values = per_block * max(task.problem.kinds.dimension, ARRANGEMENTS)
-        at_once = max(1, min(CHUNK_BLOCKS, BLOCK_VALUES // values))
+        def with_partner() -> PartnerControl | None:
+            nonlocal partner_evals, partner_failed
+            if self.partner_blocks == 0:
+                return None
+            model = np.concatenate(drawn.found, axis=-1)
+            asked = PartnerControl.of(task, missions, model, drawn.inputs, self.partner_blocks)
+            partner_evals += asked.evals
+            partner_failed += asked.failed
+            return asked
 
-        def drawn(first: int, count: int) -> Iterator[tuple[FloatArray, IntArray]]:
-            for start in range(first, first + count, at_once):
-                chunk = range(start, min(start + at_once, first + count))
-                x, ways = zip(*(_draw(task, missions, block) for block in chunk), strict=True)
-                yield np.concatenate(x), np.stack(ways)
+        def estimates(missing: int, stopped: str) -> list[Estimate]:
+            own = [sums.estimate(i, missing, stopped) for i in range(len(task.criteria))]
+            return [control.corrected(one, i) for i, one in enumerate(own)] if control else own
 
-        def rows() -> Iterator[FloatArray]:
-            for x, ways in drawn(0, planned):
-                arrangements.append(ways)
-                yield x
-
-        missing, stopped = wanted - planned, ""
-        found = []
         try:
-            for y in task.session.stream(rows()):
-                found.append(sums.add(y, arrangements.popleft()))
+            while sums.blocks < planned:
+                # without a target there is nothing to stop for
+                more = planned if self.target_cov is None else max(sums.blocks, FIRST)
+                drawn.run(min(more, planned - sums.blocks))
+                control = with_partner()
+                if self._met(estimates(0, ""), sums.blocks):
+                    wanted = sums.blocks
+                    break
         except TimeLimitError as error:
-            complete = error.responses.size // per_block
-            if complete:
-                ways = arrangements.popleft()[:complete]
-                found.append(sums.add(error.responses[: complete * per_block], ways))
+            drawn.complete(error.responses)
             if sums.blocks < 2:
                 raise
-            missing, stopped = wanted - sums.blocks, str(error)
-        estimates = [sums.estimate(i, missing, stopped) for i in range(len(task.criteria))]
-        details = ConditionalMonteCarloDetails(sums.blocks, missions, sums.failing)
-        if self.partner_blocks > 0:
-            blocks = np.concatenate(found, axis=-1)
-            control = PartnerControl.of(task, missions, blocks, drawn, self.partner_blocks)
-            estimates = [control.corrected(one, i) for i, one in enumerate(estimates)]
-            details = replace(
-                details,
-                partner_evals=control.evals,
-                partner_failed=control.failed,
-                gain=control.gain(),
-            )
-        return Solution(estimates, details)
+            control, stopped = with_partner(), str(error)
+        details = ConditionalMonteCarloDetails(
+            sums.blocks,
+            missions,
+            sums.failing,
+            partner_evals,
+            partner_failed,
+            control.gain() if control else None,
+        )
+        return Solution(estimates(wanted - sums.blocks, stopped), details)
+
+    def _met(self, estimates: list[Estimate], blocks: int) -> bool:
+        """Whether the target, if there is one, is met for sure by every criterion.
+
+        The error that a few blocks state is uncertain itself, and those that come out small would
+        stop first: it is judged by its upper bound at 90 %.
+        """
+        from scipy.special import chdtri
+
+        if self.target_cov is None:
+            return False
+        most = self.target_cov * math.sqrt(float(chdtri(blocks - 1, 0.9)) / (blocks - 1))
+        return all(e.status == "converged" and e.std_error <= most * e.pf for e in estimates)
+
+
+class _Blocks:
+    """Blocks that are drawn and run one after the other, and what they sum up to."""
+
+    def __init__(self, task: Task, missions: int) -> None:
+        self._task, self._missions = task, missions
+        self._rows = BLOCK_DRAWS * missions * task.problem.n_units
+        # the responses of a block may be there in every arrangement
+        values = self._rows * max(task.problem.kinds.dimension, ARRANGEMENTS)
+        self._at_once = max(1, min(CHUNK_BLOCKS, BLOCK_VALUES // values))
+        self._arrangements: deque[IntArray] = deque()
+        self.sums = ConditionalSums(task, missions)
+        self.found: list[FloatArray] = []
+
+    def inputs(self, first: int, count: int) -> Iterator[tuple[FloatArray, IntArray]]:
+        """Draw inputs and arrangements of some blocks, several at once."""
+        for start in range(first, first + count, self._at_once):
+            chunk = range(start, min(start + self._at_once, first + count))
+            drawn = (_draw(self._task, self._missions, block) for block in chunk)
+            x, ways = zip(*drawn, strict=True)
+            yield np.concatenate(x), np.stack(ways)
+
+    def run(self, more: int) -> None:
+        """Run the next blocks."""
+
+        def rows() -> Iterator[FloatArray]:
+            for x, ways in self.inputs(self.sums.blocks, more):
+                self._arrangements.append(ways)
+                yield x
+
+        for y in self._task.session.stream(rows()):
+            self.found.append(self.sums.add(y, self._arrangements.popleft()))
+
+    def complete(self, responses: FloatArray) -> None:
+        """Take in the complete blocks of a call that was ended by the time limit."""
+        blocks = responses.size // self._rows
+        if blocks:
+            ways = self._arrangements.popleft()[:blocks]
+            self.found.append(self.sums.add(responses[: blocks * self._rows], ways))
 
 
 def _draw(task: Task, missions: int, block: int) -> tuple[FloatArray, IntArray]:
