@@ -73,6 +73,13 @@ def test_thirty_runs_and_a_partner_do_what_hundreds_do_not(plain: CriterionResul
     assert abs(plain.pf - EXACT) > 20.0 * abs(row.pf - EXACT)
 
 
+def test_the_unit_of_the_partner_is_its_own() -> None:
+    partner = problem(lambda x: 1e-300 * (cheap(x) - 0.3))  # zero at the origin
+    row = WITH.estimate(partner, criteria(THRESHOLD), rng=1)[0]
+    assert row.status == "converged"
+    assert abs(row.pf - EXACT) < 3.0 * row.std_error < 0.15 * EXACT
+
+
 @pytest.mark.parametrize(
     ("partner", "said"),
     [

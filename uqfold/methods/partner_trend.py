@@ -60,6 +60,7 @@ class PartnerRuns:
         self.note = ""
         self._partner = Partner(task)
         self._known: dict[tuple[int, bytes], float] = {}
+        self._exponents: dict[int, int] = {}
 
     @property
     def evals(self) -> int:
@@ -72,9 +73,14 @@ class PartnerRuns:
         return self._partner.session.n_failed
 
     def beside(self, kind: int, u: FloatArray) -> FloatArray | None:
-        """Responses (n,) at the model's own points (n, d); None where one of them is missing."""
+        """Responses (n,) at the model's own points (n, d); None where one of them is missing.
+
+        They are in a unit of their own, a power of two: their factor in the model's is fitted.
+        """
         try:
             y = self._at(kind, u)
+            self._exponents[kind] = int(np.frexp(np.abs(y).max())[1])
+            y = np.ldexp(y, -self._exponents[kind])
         except (PartnerError, TimeLimitError) as error:
             self.note = str(error)
             return None
@@ -84,14 +90,14 @@ class PartnerRuns:
         return None
 
     def with_more(self, kind: int, u: FloatArray) -> DesignRuns:
-        """Return its runs at the model's own points (n, d), and at further ones of its own."""
+        """Return its runs `beside` the model's points (n, d), and at further ones of its own."""
         wanted = min(self.ratio * len(u), self.most) - len(u)
         if wanted > 0:
             rng = self.task.generator(kind * STREAMS + _STREAM)
             # the first one is the origin, where the model's own design begins
             own = space_filling_design(wanted + 1, u.shape[1], rng, self.spread)
             u = np.concatenate([u, own[1:]])
-        y = self._at(kind, u)
+        y = np.ldexp(self._at(kind, u), -self._exponents[kind])
         some = np.isfinite(y)
         return DesignRuns(u[some], y[some], int(some.sum()))
 
