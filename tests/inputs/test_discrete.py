@@ -161,6 +161,7 @@ def _inputs(joint: Any) -> JointInputs:
         (stats.randint(0, 2_000_000), "takes 2,000,000 values"),
         (ot.MaximumDistribution([ot.Dirac(0.0), ot.Normal()]), "add up to"),
         (stats.poisson(-1), "the parameters make no distribution"),
+        (stats.poisson(2, loc=0.5), "it takes no whole numbers: list its values"),
         (ot.Mixture([ot.Dirac(0.0), ot.Dirac(1.0)], [1.0, 0.0]), "the value 0 only"),
     ],
     ids=_name,

@@ -198,6 +198,8 @@ def _whole_numbers(
 
 def _occurring(values: FloatArray, probabilities: FloatArray) -> ValueTable:
     found = probabilities > 0.0
+    if not found.any():
+        raise ValueError("it takes no whole numbers: list its values by `uqfold.inputs.discrete`")
     return values[found], probabilities[found]
 
 
