@@ -895,7 +895,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "noise": optional(number().also("zero")),
                 "spread": number(1.5),
                 "warp": flag(),
-                "partner_runs": count().also("zero"),
+                "partner_runs": count(0).also("zero"),
             },
         ),
         "methods.MonteCarlo": Call(
