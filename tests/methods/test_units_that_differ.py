@@ -45,6 +45,7 @@ from uqfold.methods import (
     OpenTURNSMonteCarlo,
     PolynomialChaos,
     ReliabilityMethod,
+    SubsetSimulation,
     available,
     build,
 )
@@ -245,7 +246,9 @@ def test_refined_moments_of_several_kinds(inner: FullFactorial | DimensionReduct
     assert few.n_evals == 0
 
 
-def synchronized(units: Sequence[Unit], threshold: float, tau: float) -> float:
+def synchronized(
+    units: Sequence[Unit], threshold: float, tau: float, missions: int | Binomial = 1
+) -> float:
     """Success under tau of pumps and valves in series, whose responses are normal given V."""
     v, s = np.meshgrid(np.linspace(-8.0, 8.0, 161), np.linspace(-9.0, threshold, 1501))
     means, stds = zip(
@@ -265,7 +268,31 @@ def synchronized(units: Sequence[Unit], threshold: float, tau: float) -> float:
     )
     over_s = np.trapezoid(first, s[:, 0], axis=0) / math.sqrt(2.0 * math.pi)
     density = np.exp(-0.5 * v[0] ** 2) / math.sqrt(2.0 * math.pi)
-    return float(np.trapezoid(over_s * density, v[0]))
+    number, flown = (
+        (missions.planned, missions.p) if isinstance(missions, Binomial) else (missions, 1.0)
+    )
+    return float(np.trapezoid((1.0 - flown + flown * over_s) ** number * density, v[0]))
+
+
+def test_simulation_of_units_that_differ_under_tau() -> None:
+    """Own models, inputs and offsets; tau small and large, missions fixed and binomial."""
+    units = [*PUMPS, replace(VALVE, offset=0.2)]
+    problem = Problem(pump, **INPUTS, units=units)
+    asked = [
+        Criterion(2.0, tau=tau, missions=missions)
+        for tau in (0.8, 2.0)
+        for missions in (1, 3, Binomial(4, 0.3))
+    ]
+    truth = [1.0 - synchronized(units, c.threshold, c.tau, c.missions) for c in asked]
+    for method in (
+        MonteCarlo(systems=3_000),
+        ConditionalMonteCarlo(blocks=100),
+        SubsetSimulation(samples=200),
+    ):
+        result = method.estimate(problem, asked, rng=3)
+        for row, exact_pf in zip(result, truth, strict=True):
+            assert row.status == "converged", (method, row)
+            assert abs(row.pf - exact_pf) < 4.5 * row.std_error, (method, row, exact_pf)
 
 
 def test_surfaces_that_differ_under_tau() -> None:
