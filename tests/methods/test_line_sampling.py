@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
+from uqfold.evaluation import Evaluator
 from uqfold.inputs import normal
 from uqfold.methods import (
     DirectionalSampling,
@@ -305,3 +306,19 @@ def test_rays_go_round_a_model_that_fails_at_the_median() -> None:
     row = RAYS.estimate(standard_normal(logarithm), Criterion(2.5), max_evals=3_000, rng=1)[0]
     assert row.pf == pytest.approx(math.exp(-0.5 * math.exp(2.5)), rel=0.01)
     assert row.ci_high < 1.1 * row.pf
+
+
+@pytest.mark.parametrize(
+    ("method", "budget"), [(RAYS, 250), (RAYS, 2_000), (LINES, 4_000)], ids=["250", "2000", "lines"]
+)
+def test_watching_changes_no_answer(method: ReliabilityMethod, budget: int) -> None:
+    """One repetition alone has no spread to show: to be watched made the row `failed`."""
+    problem = LinearNormalSystem(units=4).problem() if budget > 250 else standard_normal(linear)
+    asked = criteria([12.0, 14.0] if budget > 250 else [3.5])
+    alone = method.estimate(problem, asked, max_evals=budget, rng=1)
+    watched = method.estimate(
+        problem, asked, max_evals=budget, rng=1, evaluator=Evaluator(watch=lambda _: None)
+    )
+    assert [(row.pf, row.status, row.message) for row in watched] == [
+        (row.pf, row.status, row.message) for row in alone
+    ]

@@ -197,7 +197,7 @@ class Rounds:
             while number := self._next(cost, values):
                 self.done.append((yield from next_round(number)))
                 cost = (session.n_evals - before) / self.made
-                if session.watched:
+                if session.watched and self.made > 1:
                     high = Repetitions(self.together("high"), self.least)
                     ends = high.ends()
                     named = str(self.asked.criteria[0])
@@ -234,7 +234,7 @@ class Rounds:
 
     def answer(self, doubts: list[str], rng: np.random.Generator) -> Running[Estimate]:
         """Return the answer; see `combined`. Runs too few for two repetitions go into a count."""
-        few = ["the runs are too few for lines"]
+        few = ["the runs are too few for two repetitions"]
         if self.made < 2 and self.asked.left >= self.asked.event.max_evals_per_sample:
             return (yield from Sample().counted(self.asked, self.target, few, rng))
         target = TARGET_COV if self.target is None else self.target
