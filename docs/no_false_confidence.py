@@ -30,6 +30,7 @@ def kept() -> CaseRecord:
 def written(record: CaseRecord) -> str:
     """Return the page of a record."""
     page = Page("No false confidence", literal(record.case.claim))
+    page.text(f"That is the claim; the verdict on it: **{record.verdict}**.")
     page.text(
         f"Measured by `{record.made['command']}`; this page is made from its record by "
         "`python docs/no_false_confidence.py`. Errors are relative to the smaller of pf and "
