@@ -20,9 +20,9 @@ from uqfold.methods import (
     available,
     build,
 )
-from uqfold.methods.base import attempt
 from uqfold.methods.result import Status, reliability_index
 from uqfold.methods.seeding import block_generator, reduced_seed
+from uqfold.methods.task import attempt
 from uqfold.problems import Problem
 from uqfold.problems.criterion import Criterion, criteria
 from uqfold.problems.structure import Parallel

@@ -244,6 +244,7 @@ def test_a_ridge_between_the_places_of_rays_is_a_doubt(seed: int) -> None:
     row = RAYS.estimate(standard_normal(ridge, 2), Criterion(0.0), max_evals=5_000, rng=seed)[0]
     exact = 1.3032032091e-3
     assert row.status == "doubtful" or abs(row.pf - exact) < 3.0 * row.std_error
+    assert row.pf == pytest.approx(exact, rel=0.25)
 
 
 def test_a_small_disc_of_failure_is_as_exact_as_what_lies_far_out() -> None:
@@ -274,8 +275,9 @@ def test_steps_are_found_where_they_are(method: ReliabilityMethod, limit: float)
     problem = standard_normal(lambda x: np.round(2.0 * x.sum(axis=1)) / 2.0)
     exact = ndtr(-3.25 / math.sqrt(2.0))
     rows = [method.estimate(problem, Criterion(limit), max_evals=2_000, rng=i)[0] for i in (2, 3)]
+    assert "converged" in {row.status for row in rows}
     for row in rows:
-        assert row.status == "doubtful" or abs(row.pf - exact) < 4.0 * row.std_error < exact
+        assert abs(row.pf - exact) < 4.0 * row.std_error < 0.5 * exact
 
 
 @pytest.mark.parametrize("seed", [1, 3])

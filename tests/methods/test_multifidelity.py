@@ -15,11 +15,11 @@ from scipy.stats import binom, chi2
 from uqfold.evaluation import Evaluator, TimeLimitError
 from uqfold.inputs import normal
 from uqfold.methods import MonteCarlo, MultifidelityMonteCarlo
-from uqfold.methods.base import Task
 from uqfold.methods.partner_allocation import inclusion
 from uqfold.methods.partner_sample import Partner
 from uqfold.methods.partner_sums import PartnerSums, weighted_count
 from uqfold.methods.result import CriterionResult
+from uqfold.methods.task import Task
 from uqfold.problems import Problem, Unit
 from uqfold.problems.criterion import Binomial, Criterion, criteria
 from uqfold.problems.structure import KOutOfN

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uqfold import CutSets, KOutOfN, Parallel, Problem, Series, Unit, criteria
-from uqfold.inputs import normal
+from uqfold.inputs import from_data, normal
 from uqfold.methods import MonteCarlo
 from uqfold.problems import series
 from uqfold.problems.base import LIMIT_STATE_THRESHOLD
@@ -325,10 +325,18 @@ def test_the_digest_of_a_system_tells_what_is_not_the_model() -> None:
         Problem(base.model, inputs=base.inputs.distribution, shared=["X1", "X2"], units=4),
         replace(base, units=[Unit(offset=0.5), Unit(), Unit(), Unit()]),
         *(correlated_pair(r) for r in (0.3, 0.4)),
+        # what text does not tell: as many other data, a change beyond the digits that are printed
+        *(measured(shift) for shift in (0.0, 0.1)),
+        *(base.with_moments(means={"X2": mean}) for mean in (1.23456711, 1.23456722)),
     ]
     digests = [base.system_digest, *(one.system_digest for one in others)]
     assert len(set(digests)) == len(digests)
     assert series().system_digest == replace(base, name="other").system_digest == digests[0]
+
+
+def measured(shift: float) -> Problem:
+    data = np.linspace(0.0, 1.0, 50) ** 2 + 5.0 + shift
+    return Problem(np.sum, individual={"x": from_data(data)})
 
 
 def correlated_pair(r: float) -> Problem:

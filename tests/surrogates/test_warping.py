@@ -10,8 +10,8 @@ from scipy import special
 
 from uqfold.inputs import normal
 from uqfold.methods import Kriging, PolynomialChaos
-from uqfold.methods.base import Task
 from uqfold.methods.design_runs import DesignRuns
+from uqfold.methods.task import Task
 from uqfold.methods.warped import WarpedSurface, warp_for
 from uqfold.problems import Problem, Unit
 from uqfold.problems.criterion import Criterion, criteria

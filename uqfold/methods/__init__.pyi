@@ -1,11 +1,8 @@
 from uqfold.methods.active_kriging import ActiveKriging as ActiveKriging
 from uqfold.methods.automatic import Automatic as Automatic
 from uqfold.methods.ask_tell_session import AskTellSession as AskTellSession
-from uqfold.methods.base import (
-    ReliabilityMethod as ReliabilityMethod,
-    Solution as Solution,
-    Task as Task,
-)
+from uqfold.methods.base import ReliabilityMethod as ReliabilityMethod
+from uqfold.methods.task import Solution as Solution, Task as Task
 from uqfold.methods.conditional_monte_carlo import ConditionalMonteCarlo as ConditionalMonteCarlo
 from uqfold.methods.directional_sampling import DirectionalSampling as DirectionalSampling
 from uqfold.methods.factorial_inner import (

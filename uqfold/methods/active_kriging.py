@@ -31,7 +31,7 @@ from uqfold.methods.active_stopping import (
 )
 from uqfold.methods.active_view import KindView, View
 from uqfold.methods.arguments import without_own_inputs
-from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import (
     DesignRuns,
     affordable_runs,
@@ -44,6 +44,7 @@ from uqfold.methods.growing_design import STREAMS, Growth, divided, first_runs
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import NO_ANSWER, TARGET_COV, Estimate
 from uqfold.methods.steps import SequentialMethod, Steps
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import ACTIVE_KRIGING
 from uqfold.problems.base import Problem

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.methods.base import Task
 from uqfold.methods.design_runs import DesignRuns
+from uqfold.methods.task import Task
 from uqfold.problems.criterion import Binomial, Criterion
 from uqfold.system.influence import Influence, influences
 from uqfold.system.lines import FINITE

@@ -12,7 +12,7 @@ from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import CriteriaLike
 from uqfold.methods.automatic_check import THRESHOLDS, as_partner, check_of_one_unit
 from uqfold.methods.automatic_course import Course, MethodTried
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.directional_sampling import DirectionalSampling
 from uqfold.methods.guided_sampling import GuidedSampling
 from uqfold.methods.importance_sampling import ImportanceSampling
@@ -23,6 +23,7 @@ from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.methods.subset_simulation import SubsetSimulation
+from uqfold.methods.task import Solution, Task
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.result import NO_ANSWER, NORMAL_95, Estimate
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.weighted_sums import BY_WEIGHTS
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion

@@ -12,12 +12,13 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.conditional_sums import BLOCK_DRAWS, ConditionalSums
 from uqfold.methods.partner_control import PartnerControl
 from uqfold.methods.partner_sample import without_partner
 from uqfold.methods.result import Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import CONDITIONAL_MONTE_CARLO
 from uqfold.problems.base import Problem

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from uqfold.methods.base import Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.result import Estimate, Status
+from uqfold.methods.task import Task
 from uqfold.system.event import Worst
 from uqfold.system.failure_counts import failure_by_count
 from uqfold.system.structure import SystemUnits

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import attempt
 from uqfold.methods.result import Estimate
+from uqfold.methods.task import attempt
 
 BLOCK = 1024
 """Criteria answered together: bounds memory, and what is lost when the time is over."""

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from uqfold.methods.active_question import Question
-from uqfold.methods.base import Task
 from uqfold.methods.fitted_kind import FittedKind
 from uqfold.methods.limit_cloud import limit_cloud
 from uqfold.methods.result import Estimate
+from uqfold.methods.task import Task
 from uqfold.problems.criterion import Criterion
 from uqfold.surrogates.designs import MAX_COORDINATE
 from uqfold.system.structure import SystemUnits

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
-from uqfold.methods.base import Solution, Task
 from uqfold.methods.result import Estimate
+from uqfold.methods.task import Solution, Task
 from uqfold.problems.criterion import Criterion
 from uqfold.system.conditional import system_failures
 from uqfold.system.conditional_response import ConditionalResponse

@@ -8,10 +8,10 @@ from typing import TypeAlias
 import numpy as np
 
 from uqfold.inputs import JointInputs
-from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.factorial_design import FFNIDetails, Nodes, counts_per_input
 from uqfold.methods.result import Estimate
+from uqfold.methods.task import Task
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.pearson import PearsonDistribution
 from uqfold.moments.saddlepoint import SaddlepointDistribution

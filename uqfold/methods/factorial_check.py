@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import BudgetExceededError, TimeLimitError
-from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import fallbacks_that_matter
 from uqfold.methods.factorial_rules import OuterRule, SurfaceMoments
 from uqfold.methods.factorial_runs import MORE, FactorialRuns
@@ -27,6 +26,7 @@ from uqfold.methods.factorial_verdict import (
     with_reasons,
 )
 from uqfold.methods.result import NO_ANSWER, Estimate
+from uqfold.methods.task import Task
 from uqfold.moments.conditional import integrable
 from uqfold.moments.families import FAMILIES, Family
 from uqfold.problems.criterion import Criterion

@@ -18,7 +18,7 @@ from uqfold.checks import check_scatter, refused, several, whole
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs, normal
 from uqfold.inputs.gauss import MAX_GAUSS_NODES, gauss_rule
-from uqfold.methods.base import Task
+from uqfold.methods.task import Task
 from uqfold.moments.conditional import ConditionalDistribution
 from uqfold.moments.cumulants import Moments, moments_from_rule
 from uqfold.moments.families import Fit

@@ -12,10 +12,10 @@ from uqfold.checks import check_scatter
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs import JointInputs
 from uqfold.inputs.gauss import MAX_GAUSS_NODES
-from uqfold.methods.base import Task
 from uqfold.methods.factorial_inner import Grids
 from uqfold.methods.factorial_rules import GaussRule, rule_of, rules_of
 from uqfold.methods.factorial_surface import FactorialSurface, Patch
+from uqfold.methods.task import Task
 from uqfold.moments.quadrature import tensor_grid
 from uqfold.typing import FloatArray
 

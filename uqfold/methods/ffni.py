@@ -11,7 +11,7 @@ import numpy as np
 from uqfold.checks import choice, flag, instance, keep, real
 from uqfold.evaluation import BudgetExceededError
 from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_ends,
     doubts_about_nodes,
@@ -38,6 +38,7 @@ from uqfold.methods.factorial_outer import GaussOuter, Outer, RefinedOuter, refi
 from uqfold.methods.factorial_rules import SurfaceMoments, rules_of
 from uqfold.methods.factorial_runs import FactorialRuns, KnownRuns, runs_of_kinds
 from uqfold.methods.result import TARGET_COV, Estimate
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import COMPOSED
 from uqfold.moments.cumulants import Moments

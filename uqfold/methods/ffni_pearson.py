@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, get_args
 
 from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.factorial_answers import doubts_about_ends, doubts_about_nodes, system_estimates
 from uqfold.methods.factorial_check import design_with_verdicts
 from uqfold.methods.factorial_design import (
@@ -21,6 +21,7 @@ from uqfold.methods.factorial_design import (
 )
 from uqfold.methods.pearson_sampling import sampled_failure
 from uqfold.methods.result import TARGET_COV
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import PEARSON
 from uqfold.moments.families import FAMILIES

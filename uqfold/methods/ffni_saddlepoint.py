@@ -10,7 +10,7 @@ import numpy as np
 
 from uqfold.checks import flag, keep, real
 from uqfold.methods.arguments import without_gauss_rules, without_own_inputs
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.factorial_answers import (
     doubts_about_nodes,
     fallbacks_that_matter,
@@ -26,6 +26,7 @@ from uqfold.methods.factorial_design import (
     joined_details,
 )
 from uqfold.methods.result import TARGET_COV
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_integration import SADDLEPOINT
 from uqfold.moments.families import FAMILIES

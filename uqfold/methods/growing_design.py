@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import Solution, Task
 from uqfold.methods.deciding_points import AT_EACH, deciding_points, thresholds_looked_at
 from uqfold.methods.design_runs import (
     DesignRuns,
@@ -21,6 +20,7 @@ from uqfold.methods.design_runs import (
 from uqfold.methods.fitted_kind import FittedKind
 from uqfold.methods.response_surface import ErrorParts, SurfaceAnswers
 from uqfold.methods.steps import Steps
+from uqfold.methods.task import Solution, Task
 from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.warping import Warp
 from uqfold.typing import FloatArray

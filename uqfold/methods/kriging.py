@@ -11,7 +11,7 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 from uqfold.checks import choice, flag, keep, or_none, real, refused, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.methods.arguments import without_own_inputs
-from uqfold.methods.base import Task, UnitsMayDiffer
+from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import STREAMS, Learned, grown
@@ -20,6 +20,7 @@ from uqfold.methods.partner_trend import PartnerRuns, SurfaceOfKind, with_partne
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.steps import SequentialMethod, Steps
+from uqfold.methods.task import Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import KRIGING
 from uqfold.methods.warped import WarpedSurface, transformed, warp_for

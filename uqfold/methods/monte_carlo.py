@@ -12,7 +12,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.counted import LEVEL, counted
 from uqfold.methods.result import Estimate, Status
@@ -23,6 +23,7 @@ from uqfold.methods.system_sample import (
     draw_systems,
     too_large,
 )
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import MONTE_CARLO
 from uqfold.problems.base import Problem

@@ -11,13 +11,14 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import EvaluationSession, TimeLimitError
-from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.partner_allocation import MarginFit, NearestFirst, Plan, parts_of, planned
 from uqfold.methods.partner_sample import Partner, PartnerError, without_partner
 from uqfold.methods.partner_sums import PartnerSums
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.steps import SequentialMethod, Steps
 from uqfold.methods.system_sample import BLOCK_VALUES, RUNS_WITHOUT_A_BUDGET, too_large
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import MULTIFIDELITY
 from uqfold.problems.base import Problem

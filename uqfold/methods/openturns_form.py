@@ -18,13 +18,14 @@ import numpy as np
 
 from uqfold.checks import choice, keep, real, refused, several, whole
 from uqfold.inputs import JointInputs
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.design_point import LOOSE_RESIDUAL, DesignPoint, Search, verdict
 from uqfold.methods.design_point_error import with_error
 from uqfold.methods.design_points_of_units import estimate_of_units
 from uqfold.methods.openturns_search import Algorithm, DesignPointSearch
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.standard_space import NoGradientError, in_doubt
+from uqfold.methods.task import Solution, Task, attempt
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import FORM
 from uqfold.problems.criterion import Criterion

@@ -13,11 +13,12 @@ from uqfold.checks import keep, real, whole
 from uqfold.evaluation import TimeLimitError
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer, attempt
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.counted import counted
 from uqfold.methods.openturns_stream import RandomStream
 from uqfold.methods.result import Estimate
 from uqfold.methods.system_sample import BLOCK_VALUES, too_large
+from uqfold.methods.task import Solution, Task, attempt
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import OPENTURNS_MONTE_CARLO
 from uqfold.problems.base import Problem

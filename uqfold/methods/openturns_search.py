@@ -14,7 +14,6 @@ import numpy as np
 from uqfold.evaluation import BudgetExceededError
 from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
-from uqfold.methods.base import Task
 from uqfold.methods.design_point import LOOSE_RESIDUAL, Search, Start, common_start
 from uqfold.methods.design_point_check import Surroundings
 from uqfold.methods.standard_space import (
@@ -23,6 +22,7 @@ from uqfold.methods.standard_space import (
     NoGradientError,
     StandardSpaceResponse,
 )
+from uqfold.methods.task import Task
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray
 

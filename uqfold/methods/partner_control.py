@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import Task
 from uqfold.methods.conditional_sums import ENOUGH_DRAWS, FEW, LEVEL, ConditionalSums
 from uqfold.methods.partner_sample import Partner, PartnerError
 from uqfold.methods.result import Estimate
+from uqfold.methods.task import Task
 from uqfold.typing import FloatArray, IntArray
 
 WORTH = 1.5

@@ -21,8 +21,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import EvaluationSession, FailedRunError, ModelError
-from uqfold.methods.base import Task
 from uqfold.methods.system_sample import SystemBlock, block_systems, draw_systems
+from uqfold.methods.task import Task
 from uqfold.problems.base import Problem
 from uqfold.time_limit import check_time
 from uqfold.typing import BoolArray, FloatArray

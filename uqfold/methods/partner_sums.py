@@ -13,10 +13,10 @@ import math
 import numpy as np
 
 from uqfold.evaluation import RunningEstimate
-from uqfold.methods.base import Task
 from uqfold.methods.clopper_pearson import clopper_pearson
 from uqfold.methods.partner_sample import ChosenSystems
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate, Status
+from uqfold.methods.task import Task
 from uqfold.typing import FloatArray
 
 FEW = 10

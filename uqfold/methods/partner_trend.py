@@ -15,12 +15,12 @@ from typing import TypeAlias
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import Solution, Task
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import STREAMS
 from uqfold.methods.partner_control import WORTH
 from uqfold.methods.partner_sample import Partner, PartnerError
+from uqfold.methods.task import Solution, Task
 from uqfold.surrogates.designs import space_filling_design
 from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.surrogates.partner_surface import PartnerSurface, factor_of

@@ -14,10 +14,10 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import Task
 from uqfold.methods.factorial_answers import doubts_about_responses
 from uqfold.methods.factorial_design import FFNIDetails
 from uqfold.methods.result import NORMAL_95, Estimate
+from uqfold.methods.task import Task
 from uqfold.problems.criterion import Binomial, Missions
 from uqfold.system.conditional import grouped
 from uqfold.system.conditional_response import ConditionalResponse

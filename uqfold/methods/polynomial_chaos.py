@@ -14,7 +14,7 @@ from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
 from uqfold.methods.arguments import without_own_inputs
-from uqfold.methods.base import Task, UnitsMayDiffer
+from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
 from uqfold.methods.fitted_kind import FittedKind, Rival
@@ -22,6 +22,7 @@ from uqfold.methods.growing_design import Learned, grown
 from uqfold.methods.response_surface import ErrorParts, surface_estimates
 from uqfold.methods.result import TARGET_COV
 from uqfold.methods.steps import SequentialMethod, Steps
+from uqfold.methods.task import Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_surfaces import POLYNOMIAL_CHAOS
 from uqfold.methods.warped import WarpedSurface, transformed, warp_for

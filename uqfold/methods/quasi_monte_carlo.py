@@ -13,7 +13,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.evaluation import RunningEstimate, TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import TARGET_COV, Estimate
 from uqfold.methods.scrambled_counts import ScrambledCounts
@@ -25,6 +25,7 @@ from uqfold.methods.system_sample import (
     draw_systems,
     too_large,
 )
+from uqfold.methods.task import Solution, Task
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_repetitions import QUASI_MONTE_CARLO
 from uqfold.problems.base import Problem

@@ -18,10 +18,11 @@ from uqfold.evaluation import (
     TimeLimitError,
 )
 from uqfold.evaluation.samples import Label
-from uqfold.methods.base import Solution, Task, UnitsMayDiffer
+from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.result import Estimate
 from uqfold.methods.steps import SequentialMethod, Steps
 from uqfold.methods.system_sample import RUNS_WITHOUT_A_BUDGET, too_large
+from uqfold.methods.task import Solution, Task
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion, Missions
 from uqfold.system.event import SystemEvent

@@ -15,13 +15,13 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from uqfold.methods.base import Task
 from uqfold.methods.criteria_blocks import estimates_by_blocks
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.few_taus import by_few_taus
 from uqfold.methods.fitted_kind import DRAWS, PARTS, FittedKind, HeldOut
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.surface_errors import lean, overconfidence, step
+from uqfold.methods.task import Task
 from uqfold.moments.normal import NormalDistribution
 from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion

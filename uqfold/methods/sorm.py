@@ -13,7 +13,7 @@ import numpy as np
 
 from uqfold.checks import choice, instance, keep, real
 from uqfold.evaluation import BudgetExceededError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task, attempt
+from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.design_point import DesignPoint, Search, Start, verdict
 from uqfold.methods.design_point_check import Surroundings
 from uqfold.methods.design_point_error import LEAST, index_moved
@@ -21,6 +21,7 @@ from uqfold.methods.openturns_form import OpenTURNSFORM, design_points
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
 from uqfold.methods.standard_space import StandardSpaceResponse, in_doubt
+from uqfold.methods.task import Solution, Task, attempt
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_simulation import SORM as THEORY
 from uqfold.problems.base import Problem

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TypeAlias, final
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.base import ReliabilityMethod, Solution, Task
+from uqfold.methods.base import ReliabilityMethod
+from uqfold.methods.task import Solution, Task
 from uqfold.typing import FloatArray
 
 Steps: TypeAlias = Generator[FloatArray, FloatArray, Solution]

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from uqfold.methods.base import Task
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import ResponseSurface
+from uqfold.methods.task import Task
 from uqfold.surrogates.warping import Warp, find_warp
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface_rule import Surface

@@ -329,8 +329,11 @@ class Problem:
     def system_digest(self) -> str:
         """Digest of what makes the system besides the model: inputs, units, structure."""
         kinds, joint = self.kinds, self.inputs
-        own = [([*map(str, one.columns)], repr(one.parts.dependent)) for one in kinds.inputs]
-        # of many values the text tells the first and the last one
+        own = [
+            ([*map(str, one.columns)], repr(one.parts.dependent), one.fingerprint)
+            for one in kinds.inputs
+        ]
+        # neither text nor fingerprint tells all probabilities of many values
         atoms = [one.atoms for inputs in kinds.inputs for one in inputs.columns]
         values = [one.tolist() for pair in atoms for one in pair if one.size]
         units = [None if one is None else one.tolist() for one in (kinds.of_units, kinds.offsets)]

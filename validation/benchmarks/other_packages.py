@@ -21,8 +21,8 @@ import openturns as ot
 from uqfold.checks import keep, whole
 from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods import Estimate, ReliabilityMethod, Solution, Task
-from uqfold.methods.base import attempt
 from uqfold.methods.openturns_stream import RandomStream
+from uqfold.methods.task import attempt
 from uqfold.problems.criterion import Criterion
 from uqfold.system import SystemEvent
 from uqfold.typing import FloatArray
