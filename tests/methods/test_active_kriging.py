@@ -14,17 +14,17 @@ from scipy import stats
 
 from uqfold.evaluation import Evaluator, deadline
 from uqfold.methods import ActiveKriging, Kriging, ReliabilityResult
-from uqfold.methods.active_kriging import _on_the_wrong_side
-from uqfold.methods.active_question import Question
-from uqfold.methods.active_stopping import (
+from uqfold.methods.active_answers import _on_the_wrong_side
+from uqfold.methods.active_check import (
     Check,
     Outlying,
-    Stability,
     control_points,
     outlying_points,
     points_around,
     unvisited,
 )
+from uqfold.methods.active_question import Question
+from uqfold.methods.active_stopping import Stability
 from uqfold.methods.active_view import View
 from uqfold.methods.limit_cloud import limit_cloud
 from uqfold.problems import Problem, four_bar, four_branch, series
