@@ -116,3 +116,11 @@ def test_the_page_says_what_made_it_and_what_it_does_not_show() -> None:
     assert "```\nuqfold benchmark\n```" in said
     assert "## What it does not show" in said
     assert report_page(FRAME).markdown() == said
+
+
+def test_many_seeds_tell_question_by_question_whether_intervals_hold() -> None:
+    broken = [{"label": "narrow", "covered": float(i < 30)} for i in range(40)]
+    said = benchmark_page(pd.concat([rows(*[{}] * 40), rows(*broken)])).markdown()
+    assert "| a | 4 | 0.100 | 40 of 40 | 30 of 40 (p = 2 × 10⁻⁵) |" in said
+    assert "few seeds" not in said
+    assert "few seeds" in benchmark_page(FRAME).markdown()
