@@ -10,7 +10,7 @@ from scipy.special import ndtr, ndtri
 from uqfold.comparison import named_problem
 from uqfold.inputs import normal
 from uqfold.methods import ImportanceSampling
-from uqfold.methods.importance_search import WeightedSamples
+from uqfold.methods.importance_search import WeightedSamples, part_unseen, samples_for
 from uqfold.methods.polar_mixture import FitError, PolarMixture
 from uqfold.methods.repetitions import Repetitions
 from uqfold.methods.result import Estimate
@@ -69,8 +69,7 @@ def test_right_from_frequent_to_rare(pf: float, dimension: int, runs: int) -> No
     limit = Criterion(-float(ndtri(pf)))
     row = METHOD.estimate(standard_normal(linear, dimension), limit, max_evals=runs, rng=1)[0]
     assert row.n_evals <= runs
-    assert row.std_error < 0.2 * pf
-    assert abs(row.pf - pf) < 4.0 * row.std_error
+    assert abs(row.pf - pf) < min(4.0 * row.std_error, 0.2 * pf)
     assert row.pf + row.reliability == pytest.approx(1.0)
 
 
@@ -145,7 +144,7 @@ def test_each_criterion_has_runs_of_its_own() -> None:
     rows = METHOD.estimate(problem, criteria([3.0, 4.0, math.inf]), max_evals=15_000, rng=7)
     assert rows.n_evals <= 15_000
     for row in rows.rows[:2]:
-        assert abs(row.pf - ndtr(-row.threshold)) < 4.0 * row.std_error < 0.2 * row.pf
+        assert abs(row.pf - ndtr(-row.threshold)) < 4.0 * row.std_error < 0.6 * row.pf
     assert (rows[2].pf, rows[2].status) == (0.0, "doubtful")
     told = rows.details.sets[0]
     assert told.components >= 1
@@ -176,13 +175,59 @@ def test_asked_and_told_gives_the_same_answer() -> None:
 
 def sums(weights: FloatArray) -> WeightedSums:
     own, fails = WeightedSums(), weights > 0.0
-    blind = np.full(len(weights), 0.1)
-    own.add(WeightedSamples(np.zeros((len(weights), 2)), weights, blind, fails, fails))
+    own.add(WeightedSamples(np.zeros((len(weights), 2)), weights, fails, fails))
     return own
 
 
-def judged(own: WeightedSums, climbs: FloatArray, overlooked: float = 0.0) -> Estimate:
-    return own.estimate(0.1, Repetitions(climbs), overlooked=overlooked, unseen=1.0, short=[])
+def judged(
+    own: WeightedSums, climbs: FloatArray, overlooked: float = 0.0, unseen: float = 0.0
+) -> Estimate:
+    return own.estimate(0.1, Repetitions(climbs), overlooked=overlooked, unseen=unseen, short=[])
+
+
+def test_error_and_interval_contain_what_the_climbs_may_have_missed() -> None:
+    """A tenth of pf could be lost, `converged`, where less than 1 % was stated."""
+    even = sums(np.where(np.arange(4_000) % 2 == 0, 1e-6, 0.0))
+    climbs = np.full(8, 5e-7)
+    certain, unsure, blind = (judged(even, climbs, unseen=t) for t in (0.0, 0.03, 0.2))
+    assert certain.std_error < 0.02 * certain.pf
+    assert unsure.std_error == pytest.approx(math.hypot(certain.std_error, 0.03 * unsure.pf))
+    # one region in twenty that has 9 % of pf is missed
+    assert unsure.ci_high >= unsure.pf / (1.0 - 0.0899)
+    assert (unsure.status, blind.status) == ("converged", "doubtful")
+    assert "a region elsewhere with 60 % of pf might be missed" in blind.message
+
+
+def test_what_may_be_missed_follows_from_the_seeds_of_each_level() -> None:
+    assert part_unseen([300, 300]) == pytest.approx(0.01)
+    assert part_unseen([300, 30]) > part_unseen([300, 60]) > part_unseen([300, 300])
+    assert part_unseen([int(0.1 * samples_for(0.02, 5))] * 5) == pytest.approx(0.02, rel=0.01)
+
+
+def test_all_around_reaches_as_far_as_a_region_can_matter() -> None:
+    """Failures known at distances of about 4 hid a half-space 4.5 away with most of pf."""
+    rng, d = np.random.default_rng(1), 5
+    directions = rng.standard_normal((500, d))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    known = directions * rng.normal(4.0, 0.1, 500)[:, None]
+    everywhere = PolarMixture.everywhere(known, np.ones(500), 1e-5)
+    assert everywhere.shares.sum() == pytest.approx(1.0)
+    for distance, beyond in ((3.5, 0.03), (5.0, 1.4e-4), (6.0, 1.5e-6)):
+        ratio = math.exp(float(everywhere.log_ratio(distance * np.eye(1, d))[0]))
+        assert ratio > 0.01 / beyond
+
+
+def test_a_steep_region_farther_out_is_seen() -> None:
+    """The climbs stay in the ball, whose response rises slowly: 78 % lost, called `converged`."""
+
+    def height(x: FloatArray) -> FloatArray:
+        away = np.linalg.norm(x - 4.6 * np.eye(1, 5), axis=1)
+        return np.maximum(5.0 * (-x[:, 1] - 4.35), 0.91 - away)
+
+    asked = Criterion(0.0)
+    row = METHOD.estimate(standard_normal(height, 5), asked, max_evals=50_000, rng=5)[0]
+    assert row.ci_high > ndtr(-4.35)
+    assert row.status == "doubtful" or row.pf > 0.7 * ndtr(-4.35)
 
 
 def test_one_heavy_sample_is_a_doubt() -> None:
@@ -218,7 +263,6 @@ def test_a_second_region_is_found_or_doubted(dimension: int, runs: int) -> None:
         assert row.status == "doubtful" or abs(row.pf - exact) < 4.0 * row.std_error
     clean = sum(row.status == "converged" for row in rows)
     assert clean >= (0 if runs == 10_000 else 2)
-    assert all("a region elsewhere" in row.message for row in rows if runs == 10_000)
 
 
 @pytest.mark.slow

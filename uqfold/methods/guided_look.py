@@ -48,7 +48,7 @@ def beside(search: ImportanceSearch) -> Running[tuple[str, list[str]]]:
     if search.lost(search.with_two(u)).mean() > UNKNOWN:
         return "it knows nothing of failures elsewhere", []
     search.follow(u)
-    unseen = part_unseen(len(pilot.levels) + 1, int(LEVEL_PROBABILITY * size))
+    unseen = part_unseen([int(LEVEL_PROBABILITY * size)] * (len(pilot.levels) + 1))
     return "", doubts_of_unseen(unseen) if alone else []
 
 

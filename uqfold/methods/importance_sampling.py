@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -26,8 +27,12 @@ WITHOUT_A_BUDGET = 20_000
 LEVEL_PROBABILITY = 0.1
 PILOT, SMALLEST_PILOT, LARGEST_PILOT = 50, 100, 1_000
 """The pilot's population takes one part in so many of the budget; its least and most samples."""
+UNSEEN, PART_OF_TARGET = 0.0075, 0.3
+"""Part of pf that the climbs may miss in the mean: where there is no target, else of the target."""
 FEWEST = 100
 """Samples to be weighed at least."""
+MOST_OF_TARGET = 0.9
+"""Where more of the target than this goes to what the climbs may miss, no samples reach it."""
 BLOCK = 20_000
 """Samples weighed in one go at most: what is lost when the time ends."""
 
@@ -91,10 +96,12 @@ class ImportanceSampling(RareEventMethod):
     Notes
     -----
     The interval is that of Fay and Feuer (1997) for weighted counts. A frequent failure is counted
-    without weights. The row is ``doubtful`` where no failure is found, where one sample makes more
-    than a fiftieth of pf, where the answer does not agree with that of the climbs, or where a
-    region elsewhere with a tenth of pf might have been missed. A system of
-    half a million random numbers or more is ``unsupported``.
+    without weights. A region of failure that the climbs have missed may be missed by the samples,
+    too: standard error and the upper end of the interval contain the part of pf that the number of
+    their samples leaves open. They do not know of a small region near the origin whose response
+    rises much more steeply than that of others. The row is ``doubtful`` where no failure is found,
+    where one sample makes more than a fiftieth of pf, and where the answer does not agree with that
+    of the climbs. A system of half a million random numbers or more is ``unsupported``.
     """
 
     name: ClassVar[str] = "importance-sampling"
@@ -114,7 +121,9 @@ class ImportanceSampling(RareEventMethod):
         self, asked: NestedCriteria, rng: np.random.Generator
     ) -> Running[tuple[list[Estimate], ImportanceDetails]]:
         cost = float(asked.event.max_evals_per_sample)
-        search = ImportanceSearch(asked, rng, cost)
+        target = TARGET_COV if self.target_cov is None else self.target_cov
+        aim = UNSEEN if self.target_cov is None else PART_OF_TARGET * target
+        search = ImportanceSearch(asked, rng, cost, aim=aim)
         affordable = search.affordable
         size = min(max(affordable // PILOT, SMALLEST_PILOT), LARGEST_PILOT, search.most_at_once)
         pilot = Pilot((), 0, "the budget is too small to look for failures")
@@ -128,7 +137,6 @@ class ImportanceSampling(RareEventMethod):
         if search.mixture is not None:
             yield from search.refine()
         sums, short = yield from self._weighed(search)
-        target = TARGET_COV if self.target_cov is None else self.target_cov
         if search.mixture is not None:
             estimate = sums.estimate(
                 target,
@@ -158,7 +166,7 @@ class ImportanceSampling(RareEventMethod):
         if self.samples is None and session.max_evals is None and self.target_cov is None:
             wanted = WITHOUT_A_BUDGET
         try:
-            while sums.n < wanted and not self._precise(sums):
+            while sums.n < wanted and not self._precise(sums, search):
                 size = min(wanted - sums.n, BLOCK, search.most_at_once)
                 # at most so many: with a random number of missions these may be few
                 size = min(size, search.asked.left // search.asked.event.max_evals_per_sample)
@@ -175,11 +183,13 @@ class ImportanceSampling(RareEventMethod):
             short.append(str(error))
         if sums.n == 0:
             raise BudgetExceededError("the search for failures has left no runs")
-        if self.samples is not None and sums.n < wanted and not self._precise(sums):
+        if self.samples is not None and sums.n < wanted and not self._precise(sums, search):
             short.insert(0, f"{sums.n} of {wanted} samples")
         return sums, short
 
-    def _precise(self, sums: WeightedSums) -> bool:
-        """Whether the target, if there is one, is met."""
-        target = self.target_cov
-        return target is not None and sums.n >= FEWEST and sums.cov <= target
+    def _precise(self, sums: WeightedSums, search: ImportanceSearch) -> bool:
+        """Whether the target, if there is one, is met, or as near as more samples could come."""
+        if self.target_cov is None or sums.n < FEWEST:
+            return False
+        unseen = min(search.unseen, MOST_OF_TARGET * self.target_cov) if search.mixture else 0.0
+        return math.hypot(sums.cov, unseen) <= self.target_cov

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,12 +14,12 @@ from uqfold.methods.subset_climb import Pilot, Population, Rung, along, climbs
 from uqfold.methods.system_sample import BLOCK_VALUES
 from uqfold.typing import BoolArray, FloatArray
 
+SHARE = 0.1
+"""Share of the samples of a level that leads to the next one, about."""
 CLIMBS, FEWEST_CLIMBS = 8, 2
 """Independent climbs that find failures to begin with: most and fewest."""
 OF_CLIMBS, SMALLEST_CLIMB = 0.6, 100
 """They take so much of the budget; least samples of one at each level."""
-ENOUGH = 600
-"""Samples of all climbs at each level, for each of the levels: more are of little use."""
 ROUNDS, PART_OF_ROUND, SMALLEST_ROUND, LARGEST_ROUND = 6, 40, 200, 2_000
 """Rounds of fitting, each one part in so many of the budget; least and most samples of one."""
 FEWEST_HITS = 25
@@ -38,10 +39,14 @@ CHAINS, CHAIN, PART_OF_CHAINS = 20, 20, 5
 of the runs that are left."""
 FEWEST_LOST = 10
 """With fewer of them in a round, those of the climbs are kept to."""
-WANDERING = 4.5
-"""Seeds in a region, for each level, with which it is lost once in twenty times: half of log 20
-times the variance of a seed's offspring, which is about 3. See `part_unseen`."""
-ELSEWHERE = 0.15
+OFFSPRING = 3.0
+"""Variance of the number of seeds that a seed leads to at the next level, about. See
+`part_unseen`."""
+ONE_IN_TWENTY = math.log(20.0)
+UNSEEN = 0.025
+"""Part of pf that climbs may miss in the mean: with so many samples that it is less they are of
+little use."""
+ELSEWHERE = 0.2
 """Share of the samples that do not follow the failures found."""
 
 
@@ -55,15 +60,12 @@ class WeightedSamples:
         Standard-normal variables (n, d), one more if there is a single one.
     weights
         Density of the standard normal law (n,) over that which they were drawn from.
-    blind
-        Probabilities (n,) that they were drawn whatever their direction.
     low, high
         Which fail (n,), failed runs counted as safe, and as failures.
     """
 
     u: FloatArray
     weights: FloatArray
-    blind: FloatArray
     low: BoolArray
     high: BoolArray
 
@@ -90,8 +92,10 @@ class ImportanceSearch:
         Share of equally weighted samples in each round.
     witnesses
         Failures (n, d) that the climbs found, and their shares (n,) in all failures.
-    levels, seeds
-        Levels of the climbs, and the fewest samples that led from one of them to the next.
+    seeds
+        Samples of the climbs that led from each level to the next, or to failure.
+    aim
+        Part of all failures that climbs may miss in the mean.
     """
 
     asked: NestedCriteria
@@ -102,8 +106,8 @@ class ImportanceSearch:
     climbs: FloatArray = field(default_factory=lambda: np.empty(0))
     rounds: list[float] = field(default_factory=list)
     witnesses: tuple[FloatArray, FloatArray] | None = None
-    levels: int = 0
-    seeds: int = 0
+    seeds: tuple[int, ...] = ()
+    aim: float = UNSEEN
 
     @property
     def affordable(self) -> int:
@@ -120,14 +124,14 @@ class ImportanceSearch:
         dimension, before = self.asked.event.dimension, self.asked.session.n_evals
         if self.mixture is None:
             u = self.rng.standard_normal((size, dimension))
-            weights, blind = np.ones(size), np.ones(size)
+            weights = np.ones(size)
         else:
             u = self.mixture.draw(size, self.rng)
-            weights, blind = np.exp(-self.mixture.log_ratio(u)), self.mixture.blind(u)
+            weights = np.exp(-self.mixture.log_ratio(u))
         heights = yield from self.asked.heights(u[:, :dimension], phase=phase, weight=weights)
         self.cost = max(1.0, (self.asked.session.n_evals - before) / size)
         low, high = (self.asked.fail(one)[0] for one in heights)
-        return WeightedSamples(u, weights, blind, low, high)
+        return WeightedSamples(u, weights, low, high)
 
     def find(self, pilot: Pilot) -> Running[str]:
         """Find failures by climbs over the levels of a pilot, and fit the density to them.
@@ -138,14 +142,14 @@ class ImportanceSearch:
         rungs = (*pilot.levels, limit)
         samples = int(OF_CLIMBS * self.affordable / (len(rungs) + 1))
         number = min(max(samples // SMALLEST_CLIMB, FEWEST_CLIMBS), CLIMBS)
-        size = max(min(samples, ENOUGH * len(rungs)) // number, SMALLEST_CLIMB)
+        enough = samples_for(self.aim, len(rungs))
+        size = max(min(samples, enough) // number, SMALLEST_CLIMB)
         size = min(size, max(1, self.most_at_once // number))
         if number * size * (len(rungs) + 1) > self.affordable:
             return "the runs that are left are too few to look for failures"
         made = yield from climbs(self.asked, rungs, number, size, self.rng, keep=True)
         self.climbs = made.high[:, 0]
-        self.levels = len(rungs)
-        self.seeds = min(
+        self.seeds = tuple(
             int(np.count_nonzero(population.high > rung.height))
             for population, rung in zip(made.kept, rungs, strict=False)
         )
@@ -188,7 +192,7 @@ class ImportanceSearch:
             return
         places = self.rng.permutation(np.nonzero(lost)[0])[:CHAINS]
         states = min(CHAIN * places.size, most)
-        moved = yield from along(self.asked, top, places, limit, states, self.rng, self.levels)
+        moved = yield from along(self.asked, top, places, limit, states, self.rng, len(self.seeds))
         if not len(moved):
             return
         moved = self.with_two(moved)
@@ -200,8 +204,8 @@ class ImportanceSearch:
 
     @property
     def unseen(self) -> float:
-        """Largest part of all failures that the climbs may have missed in a region of its own."""
-        return part_unseen(self.levels, self.seeds)
+        """Mean part of all failures that the climbs may have missed in a region of its own."""
+        return part_unseen(self.seeds)
 
     def overlooked(self, largest: float) -> float:
         """Return the share of failures known from the climbs where samples are too rare.
@@ -236,7 +240,8 @@ class ImportanceSearch:
         fitted = PolarMixture.fitted(u, weights, second, self.rng)
         self.components = fitted.shares.size
         reaching = fitted.joined(replace(fitted, shape=fitted.shape / SPREAD_OUT), FAR_OUT)
-        self.mixture = reaching.joined(PolarMixture.everywhere(u, weights), ELSEWHERE)
+        pf = float(self.climbs.mean())
+        self.mixture = reaching.joined(PolarMixture.everywhere(u, weights, pf), ELSEWHERE)
 
     def lost(self, u: FloatArray) -> BoolArray:
         """Whether failures (n, d) are rare among the samples, against those that are known."""
@@ -262,19 +267,30 @@ class ImportanceSearch:
             self.mixture = self.mixture.joined(about, OF_LOST)
 
 
-def part_unseen(levels: int, seeds: int) -> float:
-    """Return the largest part of all failures that climbs may have missed in a region of its own.
+def part_unseen(seeds: Sequence[int]) -> float:
+    """Return the part of all failures that climbs miss in the mean, where most is hidden from them.
 
-    The seeds in such a region are a critical branching process: each has one seed at the next level
-    in the mean, often none, and several if its chain has moved little. Of m seeds and their
-    offspring, with the variance s^2 of a seed's, none is left after L levels with the probability
-    exp(-2 m / (s^2 L)) (Athreya K.B., Ney P.E. Branching processes. Springer, 1972, theorem I.9.1).
+    The seeds in a region of its own are a critical branching process: each has one seed at the next
+    level in the mean, often none, and several if its chain has moved little. With the variance s^2
+    of that number, and the part x of the M seeds at each of L levels, none is left at the end with
+    the probability exp(-2 x M / (s^2 L)), and exp(-x / t) where M differs from level to level
+    (Athreya K.B., Ney P.E. Branching processes. Springer, 1972, theorem I.9.1). So the part that is
+    missed is at most exponential, with the mean t and the 95 % quantile t log 20. A region that has
+    a smaller part of the samples at lower levels than it has of pf is missed more often.
 
     Parameters
     ----------
-    levels
-        Levels that were climbed.
     seeds
-        The fewest samples that led from one of them to the next.
+        Samples M that led from each level to the next, or to failure.
+
+    Returns
+    -------
+    float
+        t, half of s^2 times the sum of 1 / M.
     """
-    return WANDERING * levels / max(seeds, 1)
+    return 0.5 * OFFSPRING * sum(1.0 / max(one, 1) for one in seeds)
+
+
+def samples_for(part: float, levels: int) -> int:
+    """Return the samples at each level with which climbs miss a part of pf in the mean."""
+    return math.ceil(0.5 * OFFSPRING * levels / (SHARE * part))

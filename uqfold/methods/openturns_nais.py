@@ -25,7 +25,7 @@ from uqfold.methods.result import Estimate
 from uqfold.methods.subset_climb import piloted
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_repetitions import NAIS
-from uqfold.methods.weighted_sums import APART, HEAVY, MOST_UNSEEN, OVERLOOKED
+from uqfold.methods.weighted_sums import APART, HEAVY, OVERLOOKED, doubts_of_unseen
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import FloatArray
 
@@ -279,9 +279,7 @@ class Repeated:
         if search.witnesses is None:
             return doubts
         climbed = Repetitions(search.climbs)
-        if search.unseen > MOST_UNSEEN:
-            part = 100.0 * min(search.unseen, 1.0)
-            doubts.append(f"a region elsewhere with {part:.0f} % of pf might be missed")
+        doubts += doubts_of_unseen(search.unseen)
         apart = math.log(found.mean / climbed.mean) / math.hypot(found.cov, climbed.cov)
         if abs(apart) > APART:
             doubts.append(f"climbs found {climbed.mean:.2g}, {abs(apart):.1f} errors off")

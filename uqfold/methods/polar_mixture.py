@@ -39,8 +39,12 @@ MOST_ABOUT, WIDE, LONG = 4, 2.0, 4.0
 times the variance of their distances is increased."""
 MOST_ALIGNED = 0.999
 """Mean length of unit vectors at most, so that a component is never a single ray."""
-UNIFORM = 0.8
-"""Share of uniform directions in what is drawn everywhere."""
+ALL_AROUND = (0.55, 0.3, 0.15)
+"""What is drawn everywhere: shares of the distances of the failures, of all distances that a region
+of failure may have, and of the normal law."""
+SHELLS, NEAREST, FARTHEST, OVERLAP = 5, 0.05, 0.05, 0.6
+"""Shells of distances: how many; the probability beyond the nearest one, and, relative to pf,
+beyond the farthest; and their standard deviation relative to the distance between two."""
 
 
 class FitError(RuntimeError):
@@ -85,12 +89,6 @@ class PolarMixture:
 
         return np.asarray(logsumexp(self._log_parts(u), axis=0))
 
-    def blind(self, u: FloatArray) -> FloatArray:
-        """Return the probabilities (n,) that points (n, d) came from uniform directions."""
-        logs = self._log_parts(u)
-        parts = np.exp(logs - logs.max(axis=0))
-        return np.asarray(parts[self.kappa == 0.0].sum(axis=0) / parts.sum(axis=0))
-
     def _log_parts(self, u: FloatArray) -> FloatArray:
         """Logarithms (K, n) of share times density over that of the standard normal law."""
         from scipy.special import gammaln, xlogy
@@ -118,20 +116,24 @@ class PolarMixture:
         )
 
     @classmethod
-    def everywhere(cls, u: FloatArray, weights: FloatArray) -> PolarMixture:
-        """Return uniform directions with the distances of points u (n, d), and the normal law.
+    def everywhere(cls, u: FloatArray, weights: FloatArray, pf: float) -> PolarMixture:
+        """Return uniform directions with several distances, and the normal law.
 
-        Most have the first: it sees what else fails at such distances, the second keeps
-        weights bounded.
+        Those of points u (n, d) see what else fails as far out. Shells see regions farther out, and
+        large ones nearer by, that may have some share of pf: with a probability beyond each shell
+        that falls geometrically, a region at any distance is seen about as often as the best single
+        distance would see it. The normal law keeps weights bounded.
         """
         d = u.shape[1]
         shape, spread = _distances((u * u).sum(axis=1), weights / weights.sum(), d)
+        shells, wide = _shells(pf, d)
+        shares = np.repeat(np.array(ALL_AROUND) / (1, SHELLS, 1), (1, SHELLS, 1))
         return cls(
-            np.array([UNIFORM, 1.0 - UNIFORM]),
-            np.eye(2, d),
-            np.zeros(2),
-            np.array([shape, 0.5 * d]),
-            np.array([spread, float(d)]),
+            shares,
+            np.eye(1, d).repeat(shares.size, axis=0),
+            np.zeros(shares.size),
+            np.concatenate([[shape], wide, [0.5 * d]]),
+            np.concatenate([[spread], shells, [float(d)]]),
         )
 
     @classmethod
@@ -234,6 +236,17 @@ def _maximised(
             break
         likely = reached
     return mixture
+
+
+def _shells(pf: float, d: int) -> tuple[FloatArray, FloatArray]:
+    """Nakagami Omega and m of shells (SHELLS,) in d dimensions at all distances that matter."""
+    from scipy.special import chdtri
+
+    beyond = np.geomspace(NEAREST, min(FARTHEST * pf, 0.5 * NEAREST), SHELLS)
+    distance = np.sqrt(chdtri(d, beyond))
+    variance = (OVERLAP * (distance[-1] - distance[0]) / (SHELLS - 1)) ** 2
+    spread = distance**2 + variance
+    return spread, 0.25 * spread / variance
 
 
 def _distances(square: FloatArray, weights: FloatArray, d: int) -> tuple[float, float]:

@@ -159,8 +159,10 @@ IMPORTANCE_SAMPLING = Theory(
         "simulation find failures. A mixture of von Mises-Fisher directions and Nakagami "
         "distances is fitted to them, and round by round to weighted samples of the mixture itself "
         "(cross-entropy method); how many components it has, one half of the samples says of a fit "
-        "to the other. A tenth of the density goes elsewhere, so that weights are bounded. "
-        "The answer comes from fresh samples alone, which makes it one without bias."
+        "to the other. A fifth of the density goes elsewhere, in all directions and as far out as "
+        "a region may have some of pf. The answer comes from fresh samples alone, so that it is "
+        "without bias; a region that neither climbs nor samples have met is missing from it, and "
+        "what part of pf that may be belongs to the error."
     ),
     equations=(
         Equation(
@@ -175,8 +177,17 @@ IMPORTANCE_SAMPLING = Theory(
             r"\hat{\sigma}^2 = \frac{1}{N (N - 1)} \sum_{i=1}^{N} "
             r"\left( w_i \mathbf{1}_F(u_i) - \hat{p}_f \right)^2",
         ),
+        Equation(
+            "The part x of pf in a region of its own is missed by climbs with M_k seeds at level k "
+            "with a probability of about exp(-x/t), where s² = 3 is the variance of the seeds that "
+            "one seed leads to; so t, as the mean of an exponential law, is a part of the error",
+            r"t = \frac{s^2}{2} \sum_{k=1}^{L} \frac{1}{M_k}, \qquad "
+            r"\hat{\sigma}_\text{stated}^2 = \hat{\sigma}^2 + t^2 \hat{p}_f^2, \qquad "
+            r"p_\text{high} = \frac{p_{97.5}}{1 - t \ln 20}",
+        ),
     ),
     references=(
+        "Athreya K.B., Ney P.E. Branching processes. Springer, 1972, theorem I.9.1.",
         "Papaioannou I., Geyer S., Straub D. Improved cross entropy-based importance sampling with "
         "a flexible mixture model. Reliability Engineering and System Safety 191 (2019) 106564.",
         "Chan J.C.C., Kroese D.P. Improved cross-entropy method for estimation. Statistics and "

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from uqfold.methods.importance_search import WeightedSamples
+from uqfold.methods.importance_search import ONE_IN_TWENTY, WeightedSamples
 from uqfold.methods.partner_sums import weighted_count
 from uqfold.methods.repetitions import Repetitions
 from uqfold.methods.result import Estimate, Status
@@ -17,9 +17,9 @@ HEAVY = 0.02
 """One sample that makes more than this of pf says that there are others like it, not seen."""
 OVERLOOKED = 0.03
 """More than this share of known failures where samples are too rare is a doubt."""
-UNSEEN, MOST_UNSEEN = 3.0, 0.1
-"""A region is seen almost surely where so many samples in it are expected; the largest part of pf
-that may go unseen."""
+MOST_UNSEEN, MOST_ADDED = 0.1, 0.95
+"""Largest part of pf that may go unseen where the error does not say so; and to which the interval
+may be extended."""
 APART = 3.5
 """Standard errors by which another estimate may differ."""
 
@@ -35,13 +35,11 @@ class WeightedSums:
         How many of them fail, failed runs counted as failures, and as safe.
     largest
         Largest weight of one that fails.
-    blind
-        How many of those that fail were drawn whatever their direction, as expected.
     """
 
     def __init__(self) -> None:
         self.n = self.hits = self.sure = 0
-        self.largest = self.blind = 0.0
+        self.largest = 0.0
         self._totals, self._squares = np.zeros(2), np.zeros(2)
 
     def add(self, samples: WeightedSamples) -> None:
@@ -49,7 +47,6 @@ class WeightedSums:
         self.n += len(samples.u)
         self.hits += int(np.count_nonzero(samples.high))
         self.sure += int(np.count_nonzero(samples.low))
-        self.blind += float(samples.blind[samples.high].sum())
         for i, fails in enumerate((samples.high, samples.low)):
             weights = samples.weights[fails]
             self._totals[i] += weights.sum()
@@ -109,7 +106,8 @@ class WeightedSums:
         overlooked
             Share of known failures where samples are too rare.
         unseen
-            Largest share of failures that a region has which the search may have missed.
+            Mean part t of all failures in a region that the search may have missed. The standard
+            error contains it, and the interval goes on to what is missed once in twenty times.
         short
             Why there are fewer samples than wanted; may be empty.
         """
@@ -121,7 +119,9 @@ class WeightedSums:
             )
         elif self.heaviest > HEAVY:
             doubts.append(f"one sample makes {100.0 * self.heaviest:.0f} % of pf")
-        doubts += doubts_of_unseen(min(unseen, UNSEEN / max(self.blind, 1e-300)))
+        error = math.hypot(self.cov, unseen)
+        if self.cov <= target < error:
+            doubts.append(unseen_part(unseen))
         if self.hits and self.cov <= target:
             apart = math.log(self.pf / other.mean) / math.hypot(self.cov, other.cov)
             if abs(apart) > APART:
@@ -140,9 +140,9 @@ class WeightedSums:
         pf = self.pf
         return Estimate(
             pf,
-            std_error=pf * self.cov if seen else math.nan,
+            std_error=pf * error if seen else math.nan,
             ci_low=low,
-            ci_high=max(pf, high) if seen else other.ends()[1],
+            ci_high=with_unseen(max(pf, high), unseen) if seen else other.ends()[1],
             ci_kind=BY_WEIGHTS if seen else "upper bound 95 %",
             pf_low=min(pf, float(self._totals[1]) / self.n),
             pf_high=pf,
@@ -152,8 +152,20 @@ class WeightedSums:
         )
 
 
-def doubts_of_unseen(part: float) -> list[str]:
-    """Return the doubt that a region with a part of pf has been missed, if it is a large part."""
-    if part <= MOST_UNSEEN:
-        return []
-    return [f"a region elsewhere with {100.0 * min(part, 1.0):.0f} % of pf might be missed"]
+def with_unseen(high: float, unseen: float) -> float:
+    """Return an upper end with what may be missed once in twenty times, of a mean part unseen."""
+    return min(1.0, high / (1.0 - min(ONE_IN_TWENTY * unseen, MOST_ADDED)))
+
+
+def doubts_of_unseen(unseen: float) -> list[str]:
+    """Return the doubt that a region has been missed, if that may be a large part of pf.
+
+    A mean part is given; what is missed once in twenty times is judged.
+    """
+    return [unseen_part(unseen)] if ONE_IN_TWENTY * unseen > MOST_UNSEEN else []
+
+
+def unseen_part(unseen: float) -> str:
+    """Say what part of pf may be missed."""
+    part = min(ONE_IN_TWENTY * unseen, 1.0)
+    return f"a region elsewhere with {100.0 * part:.0f} % of pf might be missed"
