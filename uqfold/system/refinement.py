@@ -90,6 +90,11 @@ class Need:
     level: int
     errors: tuple[float, ...]
 
+    @classmethod
+    def of_all(cls, rungs: int) -> Need:
+        """Return the last of so many rungs, as if each of them halved the error."""
+        return cls(rungs - 1, tuple(0.5**rung for rung in range(rungs)))
+
     def together(self, other: Need) -> Need:
         """Return what meets both needs."""
         size = max(self.level, other.level) + 1

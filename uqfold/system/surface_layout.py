@@ -30,9 +30,12 @@ _MOST_EXACT = 50
 _DOUBTED = 8
 # Individual variables from which refinement along single directions may mislead.
 _MISLEADING = 3
+# Lines, and stations along each, with which two variables are looked at all over; how much of the
+# change from one to the other is left, and how much worse quadrature may be than it states.
+_GRIDS, _HALVED, _CAUTION = (65, 129), 0.25, 2.0
 # Points of a first check by rays; errors of the check within which quadrature is confirmed, and
-# beyond which it is contradicted.
-_CHECKED, _CONFIRMED, _CONTRADICTED = 10_000, 2.5, 6.0
+# beyond which it is contradicted; the largest error of rays that can confirm anything.
+_CHECKED, _CONFIRMED, _CONTRADICTED, _TELLING = 10_000, 2.5, 6.0, 0.02
 # Shares of the points: in the trial of lines and rays, and in the end; criteria in the trial.
 _TRIED, _FEWER, _CRITERIA_TRIED = 16, 4, 8
 _MOST_COARSE = 20_000
@@ -43,7 +46,7 @@ _FEWER_POINTS = 4
 # Error of lines drawn at random up to which quadrature is not looked at again.
 _WELL_KNOWN = 3e-3
 # Joint errors from which lines and rays contradict each other.
-_AT_ODDS = 4.0
+_AT_ODDS = 2.5
 
 
 def laid_out(
@@ -106,7 +109,8 @@ def laid_out(
     quadrature = SurfaceSystem(rules, coarse, units, together)
     own = max(plan.n_individual for plan in plans)
     # where responses are missing no error is stated: a better rule would gain nothing
-    if not (complete and trusted) or (own < _MISLEADING and (quadrature.resolved or own == 1)):
+    least = 2 if _few(plans) else _MISLEADING
+    if not (complete and trusted) or own == 1 or (own < least and quadrature.resolved):
         return quadrature
     # the same without tau is told at a fraction of the cost
     some = [
@@ -218,10 +222,16 @@ class _Choice:
 
     def between(self, quadrature: SurfaceSystem) -> SurfaceSystem:
         """Choose between quadrature and lines or rays drawn at random."""
+        plans = self.plans
         if quadrature.resolved:
-            return quadrature if self._confirmed(quadrature) else self._sampled(quadrature)[0]
+            if self._confirmed(quadrature):
+                return quadrature
+            # refinement was misled: as many points everywhere as there are
+            plans = [plan.finest() for plan in plans]
+            rules = rules_of_kinds(plans, self.max_points, self.asked)
+            quadrature = replace(quadrature, rules=rules)
         sampled, error = self._sampled(quadrature)
-        fewer = rules_of_kinds(self.plans, self.max_points // _FEWER_POINTS, self.asked)
+        fewer = rules_of_kinds(plans, self.max_points // _FEWER_POINTS, self.asked)
         if error <= _WELL_KNOWN or _size(fewer) >= _size(quadrature.rules):
             return sampled
         # what refinement could not settle over the whole distribution may be settled here
@@ -240,23 +250,36 @@ class _Choice:
     def _confirmed(self, quadrature: SurfaceSystem) -> bool:
         """Whether rays give the answers of the quadrature, within their scatter.
 
-        Refinement looks from two places, and may miss what is to be seen from others. A few rays
-        are drawn, and more of them as long as they neither confirm nor contradict.
+        Refinement looks from two places, and may miss what is to be seen from others. Two variables
+        are looked at all over. A few rays are drawn, and more of them as long as they neither
+        confirm nor contradict. Those of which some alone have met failures, as in a small ball,
+        scatter too much to confirm anything.
         """
         responses = quadrature.responses(self.surfaces)
         found = quadrature.failures_given(responses, self.criteria)
         indices = reliability_indices(found)
         allowed = quadrature.integration_errors(responses, self.criteria)
-        most = _CHECKED
+        if _few(self.plans):
+            coarse, fine = (self._indices(self._grid(quadrature, size)) for size in _GRIDS)
+            left = _CAUTION * allowed + _HALVED * np.abs(fine - coarse)
+            if (np.abs(fine - indices) > left).any():
+                return False
+        alone = self.plans[0].n_shared == 0 and len(self.criteria) == 1 and not _few(self.plans)
+        most, telling = _CHECKED, _TELLING if alone else math.inf
         while True:
             rays = self._drawn(quadrature, most, rays=True)
             few = _Trial.of(rays, self.surfaces, self.criteria)
             beyond = (np.abs(few.indices - indices) - allowed) / few.errors
-            if beyond.max() <= _CONFIRMED:
+            if beyond.max() <= _CONFIRMED and few.errors.max() <= telling:
                 return True
             if beyond.max() > _CONTRADICTED or most >= self.max_points:
                 return False
             most = min(4 * most, self.max_points)
+
+    def _grid(self, quadrature: SurfaceSystem, size: int) -> SurfaceSystem:
+        """Lay out so many lines with so many stations each, for two variables."""
+        pairs = zip(self.plans, self.asked, strict=True)
+        return replace(quadrature, rules=tuple(plan.grid(size, own) for plan, own in pairs))
 
     def _sampled(self, quadrature: SurfaceSystem) -> tuple[SurfaceSystem, float]:
         """Draw lines or rays, whichever a trial finds to err less; and give the largest error.
@@ -316,6 +339,11 @@ class _Choice:
         share = most // len(self.drawn)
         rules = [one.rule(share, rays=rays, stations=stations) for one in self.drawn]
         return replace(quadrature, rules=tuple(rules))
+
+
+def _few(plans: Sequence[SurfacePlan]) -> bool:
+    """Whether there are two variables, and none of them is shared."""
+    return all(plan.n_shared == 0 and plan.n_individual == 2 for plan in plans)
 
 
 def _size(rules: Sequence[SurfaceRule]) -> int:

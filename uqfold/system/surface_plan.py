@@ -76,6 +76,19 @@ class SurfacePlan:
         """
         return replace(self, across=tuple(need.at_least(_FOR_OUTCOMES) for need in self.across))
 
+    def finest(self) -> SurfacePlan:
+        """Plan for a surface of which refinement has not seen what matters."""
+        return replace(
+            self,
+            across=tuple(Need.of_all(len(LADDER)) for _ in self.across),
+            along=Need.of_all(len(STATIONS)),
+        )
+
+    def grid(self, size: int, asked: FloatArray) -> SurfaceRule:
+        """Lay out lines and stations in equal steps, so many of each, over two variables."""
+        lines = product_rule([ladder_rule(LADDER.index(size))])
+        return self._laid_out(product_rule([]), lines, size, error=0.0, asked=asked)
+
     @property
     def n_shared(self) -> int:
         """Number of shared variables."""
