@@ -16,6 +16,7 @@ from uqfold.methods import (
     ReliabilityMethod,
     SequentialMethod,
 )
+from uqfold.methods.directional_sampling import not_negative
 from uqfold.methods.line_laws import LineLaw, chi_law, normal_law
 from uqfold.problems import Problem
 from uqfold.problems.catalogue import entry
@@ -285,9 +286,29 @@ def test_rays_tell_one_another_of_thin_failures(seed: int) -> None:
     """A ring 0.2 wide, which most rays step over, and one in three meets."""
     problem = standard_normal(lambda x: 0.1 - np.abs(np.hypot(x[:, 0], x[:, 1]) - 3.5))
     exact = math.exp(-0.5 * 3.4**2) - math.exp(-0.5 * 3.6**2)
-    row = RAYS.estimate(problem, Criterion(0.0), max_evals=3_000, rng=seed)[0]
+    row = RAYS.estimate(problem, Criterion(0.0), max_evals=5_000, rng=seed)[0]
     assert row.status == "converged"
-    assert abs(row.pf - exact) < 4.0 * row.std_error < 0.1 * exact
+    assert abs(row.pf - exact) < 0.01 * exact
+
+
+def test_what_rays_may_have_stepped_over_is_a_part_of_their_error() -> None:
+    """A ridge that one ray in thirty crosses: 20 % low, 5 % stated, called `converged`."""
+
+    def ridge(x: FloatArray) -> FloatArray:
+        return x[:, 0] + 2.0 * np.exp(-(((x[:, 1] - 2.0) / 0.1) ** 2))
+
+    exact = 1.3031e-3
+    for seed in (2, 44):
+        row = RAYS.estimate(standard_normal(ridge), Criterion(3.2), max_evals=5_000, rng=seed)[0]
+        assert row.status == "doubtful" or abs(row.pf - exact) < 3.0 * row.std_error
+
+
+def test_what_is_not_negative_and_not_well_known() -> None:
+    """The root mean square of a normal law from which what is below zero has been cut off."""
+    assert not_negative(0.0, 0.1) == pytest.approx(0.1)
+    assert not_negative(0.5, 0.01) == pytest.approx(math.hypot(0.5, 0.01))
+    assert not_negative(-4.0, 0.1) == pytest.approx(math.sqrt(2.0) * 0.1**2 / 4.0, rel=0.01)
+    assert not_negative(0.3, 0.0) == 0.3
 
 
 def test_lines_that_see_no_failure_bound_it() -> None:

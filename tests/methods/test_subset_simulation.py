@@ -100,6 +100,19 @@ def test_interval_of_few_repetitions_with_a_long_tail_holds() -> None:
     assert 0.935 < covered < 0.975
 
 
+def test_few_repetitions_state_the_error_that_their_interval_stands_for() -> None:
+    """Of 14, one answer in a hundred was more than three stated errors off."""
+    rng = np.random.default_rng(1)
+    sets = [Repetitions(0.01 * rng.gamma(25.0, 0.04, 14)) for _ in range(4_000)]
+    apart = np.array([abs(one.mean - 0.01) / (one.mean * one.stated_cov) for one in sets])
+    assert np.mean(apart > 3.0) < 0.0075
+    low, high = sets[0].ends()
+    assert sets[0].stated_cov == pytest.approx(math.log(high / low) / (2.0 * 1.96), rel=1e-4)
+    # what they have in common does not hang on their number
+    exact = Repetitions(np.full(3, 0.1), least=0.02)
+    assert exact.stated_cov == exact.most_cov == exact.cov == 0.02
+
+
 def test_repetitions_without_a_failure_know_nothing() -> None:
     assert Repetitions(np.zeros(5)).ends() == (0.0, 1.0)
     assert Repetitions(np.zeros(5)).cov == math.inf

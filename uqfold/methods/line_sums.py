@@ -147,6 +147,8 @@ class Rounds:
         What one failure that contradicts its line adds to a repetition at most, times these lines.
     what
         What they are called.
+    hidden
+        Relative error of what they may have stepped over.
     done
         The rounds.
     short
@@ -160,6 +162,7 @@ class Rounds:
     lines: int = 1
     heaviest: float = math.inf
     what: str = "line"
+    hidden: float = 0.0
     done: list[Round] = field(default_factory=list)
     short: list[str] = field(default_factory=list)
 
@@ -171,7 +174,7 @@ class Rounds:
     @property
     def least(self) -> float:
         """Relative error at least: what n lines have not met may be met by one in n."""
-        return math.hypot(ROUNDING, 1.0 / (self.made * self.lines))
+        return math.hypot(ROUNDING, 1.0 / (self.made * self.lines), self.hidden)
 
     def together(self, name: str) -> FloatArray:
         """Return a column (R,) of all rounds."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uqfold.methods.result import Estimate, Status
+from uqfold.methods.result import NORMAL_95, Estimate, Status
 from uqfold.typing import FloatArray
 
 FEWEST = 10
@@ -45,6 +45,11 @@ class Repetitions:
     @property
     def cov(self) -> float:
         """Relative standard error of the mean; infinite where no estimate is above zero."""
+        return math.hypot(self._spread, self.least)
+
+    @property
+    def _spread(self) -> float:
+        """What their spread says of it."""
         mean, n = self.mean, self.values.size
         if mean == 0.0:
             return math.inf
@@ -53,7 +58,16 @@ class Repetitions:
         if np.all(self.values > 0.0):
             spread = float(np.var(np.log(self.values), ddof=1))
             cov = max(cov, math.sqrt(spread / n + spread**2 / (2.0 * (n - 1))))
-        return math.hypot(cov, self.least)
+        return cov
+
+    @property
+    def stated_cov(self) -> float:
+        """Relative standard error to be stated: that of a normal law with the same interval.
+
+        The spread of few repetitions is uncertain itself: with 14 of them, one answer in a hundred
+        is more than three times its own estimate of it off.
+        """
+        return self._width(0.95) / NORMAL_95
 
     @property
     def most_cov(self) -> float:
@@ -65,18 +79,23 @@ class Repetitions:
         from scipy.special import chdtri
 
         free = self.values.size - 1
-        return self.cov * math.sqrt(free / float(chdtri(free, 0.9)))
+        return math.hypot(self._spread * math.sqrt(free / float(chdtri(free, 0.9))), self.least)
 
     def ends(self, level: float = 0.95) -> tuple[float, float]:
         """Ends of the interval on the mean; (0, 1) where nothing is known."""
         if self.mean == 0.0:
             return 0.0, 1.0
-        from scipy.special import stdtrit
-
         # a tail probability of 1e-9 of t with one degree of freedom is far beyond exp
-        width = float(stdtrit(self.values.size - 1, 0.5 + 0.5 * level)) * self.cov
-        factor = math.exp(min(width, 700.0))
+        factor = math.exp(min(self._width(level), 700.0))
         return self.mean / factor, min(1.0, self.mean * factor)
+
+    def _width(self, level: float) -> float:
+        """Half of the interval, relative: Student's for the spread, a normal one for the rest."""
+        from scipy.special import ndtri, stdtrit
+
+        end = 0.5 + 0.5 * level
+        student, normal = stdtrit(self.values.size - 1, end), ndtri(end)
+        return math.hypot(float(student) * self._spread, float(normal) * self.least)
 
 
 def combined(
@@ -130,7 +149,7 @@ def combined(
         ci_low, ci_high, ci_kind = 0.0, max(ci_high, above.ends()[1]), "upper bound 95 %"
     return Estimate(
         pf,
-        std_error=pf * high.cov,
+        std_error=pf * high.stated_cov,
         ci_low=ci_low,
         ci_high=max(pf, ci_high),
         ci_kind=ci_kind,

@@ -96,7 +96,7 @@ class ScrambledCounts:
         return Estimate(
             pf,
             reliability=float((self.points - self.high).sum()) / n,
-            std_error=own.mean * own.cov,
+            std_error=own.mean * own.stated_cov,
             ci_low=min(pf_low, ci_low),
             ci_high=max(pf, ci_high),
             ci_kind="t 95 % of log pf" if not self._mostly_fails else "t 95 % of log reliability",
