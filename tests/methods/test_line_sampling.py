@@ -345,3 +345,16 @@ def test_watching_changes_no_answer(method: ReliabilityMethod, budget: int) -> N
     assert [(row.pf, row.status, row.message) for row in watched] == [
         (row.pf, row.status, row.message) for row in alone
     ]
+
+
+@pytest.mark.parametrize(("centre", "half"), [(1.8, 0.01), (2.4, 0.03), (-1.0, 0.005)])
+def test_in_one_input_a_narrow_piece_is_found(centre: float, half: float) -> None:
+    """All lines are one there, and each was looked at as coarsely: 50 to 90 % low, `converged`."""
+    problem = standard_normal(lambda x: np.maximum(x - 3.0, half - np.abs(x - centre))[:, 0], 1)
+    exact = ndtr(-3.0) + ndtr(centre + half) - ndtr(centre - half)
+    for seed in range(3):
+        found = LINES.estimate(problem, Criterion(0.0), max_evals=2_000, rng=seed)
+        assert found[0].status == "converged"
+        assert abs(found[0].pf - exact) < 4.0 * found[0].std_error < 0.05 * exact
+    sides = [3.0 if centre < 0.0 else centre - half, abs(centre) - half][: 1 + (centre < 0.0)]
+    assert found.details.sets[0].distances == pytest.approx(sorted(sides), abs=1e-3)

@@ -10,6 +10,7 @@ import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
 from uqfold.methods.crossings import Lines
+from uqfold.methods.line_alone import OneLine
 from uqfold.methods.line_directions import DirectionSearch
 from uqfold.methods.line_laws import normal_law
 from uqfold.methods.line_neighbours import Traces
@@ -114,6 +115,8 @@ class LineSampling(RareEventMethod):
         search = DirectionSearch(asked, rng)
         doubts = []
         count = yield from frequent(asked, rng)
+        if not count and asked.event.dimension == 1:
+            return (yield from self._one_line(asked, rng))
         if not count:
             doubts = yield from search.find()
         if count or doubts:
@@ -132,6 +135,18 @@ class LineSampling(RareEventMethod):
         return [estimate], LineDetails(
             asked.criteria[0], bundles.alphas, bundles.betas, rounds.together("high")
         )
+
+    def _one_line(
+        self, asked: NestedCriteria, rng: np.random.Generator
+    ) -> Running[tuple[list[Estimate], LineDetails]]:
+        line = OneLine(asked, rng)
+        yield from line.look()
+        rounds = Rounds(
+            asked, self.lines, self.target_cov, WITHOUT_A_BUDGET, heaviest=line.heaviest
+        )
+        yield from rounds.make(line.drawn, 2.0 * asked.event.max_evals_per_sample, 1)
+        estimate = yield from rounds.answer([], rng)
+        return [estimate], LineDetails(asked.criteria[0], *line.sides(), rounds.together("high"))
 
 
 @dataclass(eq=False)
