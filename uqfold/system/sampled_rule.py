@@ -202,9 +202,10 @@ class _Trial:
     def _logs(self, threshold: float, width: float, *, above: bool) -> FloatArray:
         from scipy.special import ndtr
 
-        distance = self._table - threshold if above else threshold - self._table
-        soft = (distance > 0.0).astype(float) if width == 0.0 else ndtr(distance / width)
-        with np.errstate(divide="ignore"):
+        # far from a threshold near the largest number the distance is infinite, as good as any
+        with np.errstate(divide="ignore", over="ignore"):
+            distance = self._table - threshold if above else threshold - self._table
+            soft = (distance > 0.0).astype(float) if width == 0.0 else ndtr(distance / width)
             return np.asarray(np.log(soft.mean(axis=0) @ self._cells) + self._log_weights)
 
 
