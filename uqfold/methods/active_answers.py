@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.active_check import Check
+from uqfold.methods.active_check import Check, error_factor
 from uqfold.methods.active_stopping import Stability
+from uqfold.methods.active_view import View
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, Rival
 from uqfold.methods.growing_design import STREAMS
@@ -94,6 +95,7 @@ def answered(
     stability: Stability,
     checks: Sequence[Sequence[Check]],
     last: Sequence[tuple[FloatArray, FloatArray]],
+    hidden: FloatArray,
     why: str,
     rng: np.random.Generator,
     *,
@@ -117,12 +119,13 @@ def answered(
         behind = made.with_more(u[beyond], y[beyond])
         rivals = _rivals(task, place, surface, own)
         fitted.append(FittedKind(surface, behind, surface.noise_std, rivals))
+    error = np.sqrt((max(trust) * view.beta_std) ** 2 + stability.moved**2 + hidden**2)
     largest = max(one.runs.y.size for one in fitted)
     found = surface_estimates(
         task, fitted, rng,
         target_cov=target_cov,
         max_points=min(MAX_POINTS, _MOST_CORRELATIONS // largest),
-        beta_std=view.question.for_all(np.hypot(max(trust) * view.beta_std, stability.moved)),
+        beta_std=view.question.for_all(error),
         stated_noise=noise,
     )  # fmt: skip
     estimates = []
@@ -143,6 +146,21 @@ def answered(
     return Solution(
         estimates, ActiveKrigingDetails.of(stability, checks, found.errors)
     ), found.shortfall
+
+
+def hidden_errors(
+    view: View, checks: Sequence[Sequence[Check]], rng: np.random.Generator
+) -> FloatArray:
+    """Errors (C,) of the indices by failures that the surfaces may hide.
+
+    Runs all around that were not learned show how many times its stated error a surface errs.
+    """
+    found = [
+        kind.hidden(error_factor(kind.process, own), rng)
+        for kind, own in zip(view.kinds, checks, strict=True)
+        if own
+    ]
+    return np.asarray(np.sum(found, axis=0)) if found else np.zeros(view.beta.size)
 
 
 def _rivals(

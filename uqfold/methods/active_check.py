@@ -9,12 +9,14 @@ foretell them within its own stated error.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from uqfold.methods.active_view import KindView
 from uqfold.surrogates.designs import space_filling_design
+from uqfold.surrogates.gaussian_process import GaussianProcess
 from uqfold.surrogates.importance_cloud import WideProposal, resampled
 from uqfold.typing import BoolArray, FloatArray
 
@@ -120,6 +122,8 @@ class Check:
         Runs further out, which the first check makes.
     misled
         Which of the runs (k,) all around it had foretold wrongly.
+    around
+        Runs all around.
     """
 
     u: FloatArray
@@ -128,6 +132,7 @@ class Check:
     passed: bool
     outlying: Outlying
     misled: BoolArray
+    around: Outlying
 
     @classmethod
     def of(
@@ -161,19 +166,35 @@ class Check:
         finite = np.isfinite(y)
         residuals = np.where(finite, y - mean, np.nan)
         if not finite.any():
-            return cls(u, residuals, std, False, outlying, misled)
+            return cls(u, residuals, std, False, outlying, misled, around)
         z = np.abs(residuals / std)[finite]
         matters = np.abs(residuals[finite]) * shift > tolerance
         explained = z.max() <= _FARTHEST_Z and _rms(z) <= _LARGEST_RMS
         agreed = not (outlying.missed(levels).any() or misled.any())
         passed = bool(explained or not matters.any()) and agreed
-        return cls(u, residuals, std, passed, outlying, misled)
+        return cls(u, residuals, std, passed, outlying, misled, around)
 
     @property
     def overconfidence(self) -> float:
         """Root mean square of the residuals in units of their stated standard deviations."""
         z = (self.residuals / self.std)[np.isfinite(self.residuals)]
         return _rms(z) if z.size else 1.0
+
+
+def error_factor(process: GaussianProcess, checks: Sequence[Check]) -> float:
+    """By how many times its stated error a process misses what it has not learned, at least 1.
+
+    That are the runs all around in its checks that had agreed with it: their root mean square, or
+    half of the largest, which some fifty normal numbers would hardly make more than that.
+    """
+    u = [one.around.u[~one.misled] for one in checks]
+    y = [one.around.y[~one.misled] for one in checks]
+    if not sum(map(len, u)):
+        return 1.0
+    mean, std = process.mean_and_std(np.concatenate(u))
+    z = np.abs(np.concatenate(y) - mean) / np.hypot(std, process.noise_std)
+    z = z[np.isfinite(z)]
+    return max(1.0, _rms(z), 0.5 * float(z.max())) if z.size else 1.0
 
 
 def check_points(

@@ -23,6 +23,8 @@ FARTHEST_BETA = 8.0
 _NODES = 800
 _CANDIDATES, _FEWEST_CANDIDATES = 400, 100
 _FRESH = 8192
+# Share of a standard deviation that is none.
+_SURE = 1e-3
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 
 
@@ -58,6 +60,22 @@ class KindView:
     nodes: FloatArray
     node_influence: FloatArray
     covariance: PosteriorCovariance
+
+    def hidden(self, factor: float, rng: np.random.Generator) -> FloatArray:
+        """How far the indices (C,) move if responses err by so many times what is stated of them.
+
+        To first order: what may lie on the other side of a threshold, however far from all known
+        failures, less what the process itself says of it.
+        """
+        process, centre = self.process, np.zeros((1, self.answers.dimension))
+        cloud, _ = _cloud(process, self.answers, factor, rng)
+        u, weights = cloud.fresh(_FRESH, rng)
+        mean, std = process.mean_and_std(u)
+        there = float(process.mean(centre)[0])
+        sure, unsure = (
+            self.answers.beyond(u, mean, share * std, there) @ weights for share in (_SURE, factor)
+        )
+        return np.asarray(np.abs(unsure - sure) / _index(self.pf)[1])
 
     @property
     def spread(self) -> FloatArray:
@@ -108,15 +126,18 @@ class View:
 
     @classmethod
     def of(
-        cls, processes: Sequence[GaussianProcess], question: Question, rng: np.random.Generator
+        cls,
+        processes: Sequence[GaussianProcess],
+        question: Question,
+        rng: np.random.Generator,
+        factors: Sequence[float] | None = None,
     ) -> View:
-        """Look at the process of each kind."""
+        """Look at the process of each kind; its error is so many times what it states."""
         pf, answers = question.answers([one.mean for one in processes])
         kinds: list[KindView] = []
-        for process, own in zip(processes, answers, strict=True):
-            cloud, influence = limit_cloud(
-                process.mean, process.std, float(process.y.std()), own, rng
-            )
+        factors = [1.0] * len(answers) if factors is None else factors
+        for process, own, factor in zip(processes, answers, factors, strict=True):
+            cloud, influence = _cloud(process, own, factor, rng)
             if pf is None:
                 pf = _sampled(process, question, cloud, rng)
             beta, density = _index(pf)
@@ -182,6 +203,17 @@ class View:
             points[chosen[(chosen >= end - len(points)) & (chosen < end)] - end + len(points)]
             for points, end in zip(u, ends.tolist(), strict=True)
         ]
+
+
+def _cloud(
+    process: GaussianProcess, answers: Answers, factor: float, rng: np.random.Generator
+) -> tuple[ImportanceCloud, FloatArray]:
+    """Draw a cloud that follows the influence of a process whose error is so many times its own."""
+
+    def std(u: FloatArray) -> FloatArray:
+        return factor * process.std(u)
+
+    return limit_cloud(process.mean, std, float(process.y.std()), answers, rng)
 
 
 def _index(pf: FloatArray) -> tuple[FloatArray, FloatArray]:
