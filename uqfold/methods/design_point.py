@@ -202,6 +202,10 @@ class Search:
     look: SecondLook | None = None
     n_evals: int = 0
 
+    def at(self, one: Linearisation) -> Search:
+        """Return the same search as if it had come to another point."""
+        return Search(self.threshold, [(one, "")])
+
     @property
     def start(self) -> Linearisation:
         """The linearisation with which the search began."""

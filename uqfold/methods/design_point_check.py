@@ -20,6 +20,7 @@ from uqfold.methods.standard_space import (
     NoGradientError,
     StandardSpaceResponse,
 )
+from uqfold.methods.stratified import stratified_points
 from uqfold.typing import FloatArray
 
 FAR_OUT = math.sqrt(3.0)
@@ -36,8 +37,8 @@ FEW = 9
 """Tangent directions up to which every pair of them is looked at."""
 PROBES = 6
 """Mixtures of all tangent directions that stand for the pairs of more than `FEW`."""
-DRAWN = 50
-"""Points of the plane that are drawn, to see what lies between the directions looked at."""
+DRAWN = 150
+"""Points of the plane, to see what lies between the directions looked at."""
 RANDOM_RAYS = 4
 """Rays that are drawn, at right angles to the design point, beside the axes."""
 EXPECTED = 0.9
@@ -79,6 +80,13 @@ class Surroundings:
     def radius(self) -> float:
         """Distance of the point from the origin."""
         return abs(self.search.best.beta(self.search.threshold))
+
+    @property
+    def probability(self) -> float:
+        """Probability beyond the plane, Phi(-radius)."""
+        from scipy.special import ndtr
+
+        return float(ndtr(-self.radius))
 
     @property
     def rate(self) -> float:
@@ -195,13 +203,18 @@ class Surroundings:
             logs = log_ndtr(both - by_parabola - self.radius) - log_ndtr(-self.radius)
             return np.asarray(SEEN_THERE * np.abs(np.expm1(logs).sum(axis=0)))
 
-    def drawn(self) -> tuple[FloatArray, FloatArray]:
-        """Points (k, d) drawn on the plane, from its foot, and distances (k,) of T above them."""
-        drawn = np.random.default_rng(0).normal(size=(DRAWN, self.towards.size))
-        drawn -= np.outer(drawn @ self.towards, self.towards)
+    def drawn(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points (k, d) on the plane, from its foot, and distances (k,) of T above them.
+
+        They lie evenly along each tangent direction; with weights (k,).
+        """
+        tangents = np.linalg.qr(self.towards[:, None], mode="complete")[0][:, 1:].T
+        across, weights = stratified_points(DRAWN, len(tangents), 1)
+        drawn = across @ tangents
         longest = math.sqrt(SEARCH_RADIUS**2 - self.radius**2)
         drawn *= np.minimum(1.0, longest / (np.linalg.norm(drawn, axis=1, keepdims=True) + 1e-12))
-        return drawn, self.radius - self.margin(self.radius * self.towards + drawn)
+        distances = self.radius - self.margin(self.radius * self.towards + drawn)
+        return drawn, distances, weights
 
     def shares(self, distances: FloatArray) -> FloatArray:
         """Probabilities (k,) beyond distances (k,), relative to that beyond the point's plane."""
@@ -210,9 +223,10 @@ class Surroundings:
         return np.asarray(np.exp(log_ndtr(-distances) - log_ndtr(-self.radius)))
 
     def _sampled(self) -> float:
-        """Return by how much points drawn on the plane differ from it, with the error of that."""
-        shares = self.shares(self.drawn()[1])
-        return float(abs(shares.mean() - 1.0) + shares.std() / math.sqrt(DRAWN))
+        """Return by how much points on the plane differ from it, with the error of that."""
+        _, distances, weights = self.drawn()
+        changes = weights * (self.shares(distances) - 1.0)
+        return float(abs(changes.mean()) + changes.std() / math.sqrt(DRAWN))
 
     def _mixed(
         self, tangents: FloatArray, bend: FloatArray, length: float

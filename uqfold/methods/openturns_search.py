@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, TypeAlias
 
@@ -16,6 +16,7 @@ from uqfold.inputs.engine import openturns
 from uqfold.inputs.interrupts import DeferredInterrupt
 from uqfold.methods.design_point import LOOSE_RESIDUAL, Search, Start, common_start
 from uqfold.methods.design_point_check import Surroundings
+from uqfold.methods.design_point_scan import unexplained
 from uqfold.methods.standard_space import (
     SEARCH_RADIUS,
     Linearisation,
@@ -170,11 +171,14 @@ class DesignPointSearch:
     def _check(self, response: StandardSpaceResponse, search: Search) -> None:
         """Look at the curvature, and search from further points for other design points."""
         around = Surroundings(response, search)
-        search.look = around.second_look()
+        look = around.second_look()
         for start in around.starts(self.starts - 1):
             point = around.fails_nearby(start)
             search.several |= point is not None
             self._other(response, search, start if point is None else point)
+        others = [Surroundings(response, search.at(one)) for one, _ in search.others]
+        elsewhere = look.elsewhere + unexplained([around, *others])
+        search.look = replace(look, elsewhere=elsewhere)
 
     def _other(self, response: StandardSpaceResponse, search: Search, start: FloatArray) -> None:
         """Search from another start; note the design point found if it is a new one."""

@@ -65,13 +65,13 @@ class Paraboloid:
             If the others do not fit.
         """
         tangents, near, far, hidden = around.curvatures()
-        drawn, distances = around.drawn()
+        drawn, distances, weights = around.drawn()
         distances = _crossings(around, drawn, distances)
         across = drawn @ tangents.T
         by_paraboloid = around.radius + 0.5 * np.einsum("ni,ij,nj->n", across, near, across)
-        missed = around.shares(distances) - around.shares(by_paraboloid)
+        missed = weights * (around.shares(distances) - around.shares(by_paraboloid))
         misfit = float(abs(missed.mean()) + missed.std() / math.sqrt(len(missed))) + hidden
-        misfit += _works_beyond(around, drawn, distances)
+        misfit += _works_beyond(around, drawn, distances, weights)
         bends = (np.asarray(np.linalg.eigvalsh(one), dtype=np.float64) for one in (near, far))
         return cls(around.towards, around.radius, next(bends), next(bends), misfit)
 
@@ -132,7 +132,9 @@ def _crossings(around: Surroundings, drawn: FloatArray, distances: FloatArray) -
     return np.asarray(np.where(straight, around.radius + further, distances - left))
 
 
-def _works_beyond(around: Surroundings, drawn: FloatArray, distances: FloatArray) -> float:
+def _works_beyond(
+    around: Surroundings, drawn: FloatArray, distances: FloatArray, weights: FloatArray
+) -> float:
     """Share of points behind the limit state that do not fail, with the error of that.
 
     The points lie above those on the plane, as deep as standard-normal ones would, some of which
@@ -140,7 +142,7 @@ def _works_beyond(around: Surroundings, drawn: FloatArray, distances: FloatArray
     """
     from scipy.special import ndtr, ndtri
 
-    weights = around.shares(distances)
+    weights = weights * around.shares(distances)
     rng = np.random.default_rng(1)
     chosen = rng.choice(len(drawn), DEEP, p=weights / weights.sum())
     depth = -ndtri(np.maximum(ndtr(-distances[chosen]) * rng.random(DEEP), 1e-300))

@@ -17,6 +17,7 @@ from uqfold.methods.base import ReliabilityMethod
 from uqfold.methods.design_point import DesignPoint, Search, Start, verdict
 from uqfold.methods.design_point_check import Surroundings
 from uqfold.methods.design_point_error import LEAST, index_moved
+from uqfold.methods.design_point_scan import unexplained
 from uqfold.methods.openturns_form import OpenTURNSFORM, design_points
 from uqfold.methods.result import NORMAL_95, TARGET_COV, Estimate
 from uqfold.methods.second_order import Formula, Paraboloid, union
@@ -173,12 +174,9 @@ class SORM(ReliabilityMethod):
             return plane, None
         others = [one for one, _ in search.others]
         try:
-            around = [
-                Surroundings(response, one)
-                for one in (search, *(Search(search.threshold, [(p, "")]) for p in others))
-            ]
+            around = [Surroundings(response, one) for one in (search, *map(search.at, others))]
             paraboloids = [Paraboloid.at(one) for one in around]
-            elsewhere = around[0].elsewhere(others)
+            elsewhere = around[0].elsewhere(others) + unexplained(around)
         except BudgetExceededError as short:
             cut = f"first order only: {short}"
             return replace(plane, status="budget_exhausted", message=cut), None
