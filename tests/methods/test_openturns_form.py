@@ -15,6 +15,7 @@ from scipy.stats import chi
 import uqfold
 from uqfold import Binomial, Evaluator, criteria
 from uqfold.inputs import normal
+from uqfold.methods import SORM, ReliabilityMethod
 from uqfold.methods.design_point import Search
 from uqfold.methods.openturns_form import OpenTURNSFORM
 from uqfold.methods.openturns_search import DesignPointSearch
@@ -102,7 +103,7 @@ class TestLinearNormal:
         row = FORM.estimate(limit_state(lambda x: 4.0 - x @ weights, 100))[0]
         assert row.status == "converged"
         assert row.pf == pytest.approx(ndtr(-4.0), rel=1e-9)
-        assert row.n_evals < 20 * 100
+        assert row.n_evals < 22 * 100
 
     def test_beta_is_negative_where_the_origin_fails(self) -> None:
         details = FORM.estimate(linear_problem(), criteria([8.0, 12.0])).details
@@ -358,8 +359,10 @@ class TestCost:
         details = result.details
         assert details.n_evals_start == 7
         assert result.n_evals == 7 + sum(p.n_evals for p in details.design_points)
-        # a linear response: per threshold two gradients and both looks, no more
-        assert all(p.n_evals <= 7 + 7 + 4 * 3 + 95 + 16 for p in details.design_points)
+        # a linear response: per threshold two gradients and both looks; 100 runs are shared
+        spent = [p.n_evals for p in details.design_points]
+        assert sorted(spent)[2] <= 7 + 7 + 4 * 3 + 195 + 20 + 16
+        assert max(spent) <= sorted(spent)[2] + 100
 
     @pytest.mark.parametrize("budget", [*range(1, 30), 40, 60, 80, 100])
     def test_budget_is_kept(self, budget: int) -> None:
@@ -655,3 +658,31 @@ def test_a_search_that_leaves_its_space_is_no_failure() -> None:
     row = FORM.estimate(problem, criteria(0.89732724), rng=148)[0]
     assert row.status == "doubtful"
     assert 0.0 <= row.pf < 1e-3
+
+
+@pytest.mark.parametrize("method", [FORM, SORM()], ids=["form", "sorm"])
+def test_failures_before_the_design_point_are_seen(method: ReliabilityMethod) -> None:
+    """On the ray to it; 97 % of pf was missing, `converged`."""
+
+    def bump(x: FloatArray) -> FloatArray:
+        a = x[:, 1] + 0.27
+        return np.asarray(3.5333 - a - 1.7 * np.exp(-((1.7 * (a - 1.82)) ** 2)))
+
+    row = method.estimate(limit_state(bump, 5))[0]
+    assert row.status == "doubtful"
+    assert "domain" in row.message
+
+
+@pytest.mark.parametrize("method", [FORM, SORM()], ids=["form", "sorm"])
+@pytest.mark.parametrize(("at", "width", "height"), [(2.0, 0.1, 2.0), (-1.5, 0.05, 3.0)])
+@pytest.mark.parametrize("dimension", [2, 4])
+def test_a_ridge_beside_the_design_point_is_seen(
+    method: ReliabilityMethod, at: float, width: float, height: float, dimension: int
+) -> None:
+    """Narrow along one input: 47 to 89 % of pf were missing, `converged`."""
+    row = method.estimate(
+        limit_state(
+            lambda x: 3.3 - x[:, 0] - height * np.exp(-(((x[:, -1] - at) / width) ** 2)), dimension
+        )
+    )[0]
+    assert row.status == "doubtful"

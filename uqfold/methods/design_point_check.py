@@ -39,6 +39,8 @@ PROBES = 6
 """Mixtures of all tangent directions that stand for the pairs of more than `FEW`."""
 DRAWN = 150
 """Points of the plane, to see what lies between the directions looked at."""
+AROUND = 100
+"""Points all around, the same ones for all design points."""
 RANDOM_RAYS = 4
 """Rays that are drawn, at right angles to the design point, beside the axes."""
 EXPECTED = 0.9
@@ -125,8 +127,8 @@ class Surroundings:
     def second_look(self) -> SecondLook:
         """Look along the normal and in every tangent direction.
 
-        Takes 63 + 4 (d - 1) runs, 12 + d (d - 1) more up to ten inputs (2 in two), twelve beyond;
-        and 2 d + 5 on other rays.
+        Takes 163 + 4 (d - 1) runs, 12 + d (d - 1) more up to ten inputs (2 in two), twelve beyond;
+        2 d + 5 on other rays; and `AROUND` that all design points share.
 
         Raises
         ------
@@ -213,8 +215,10 @@ class Surroundings:
         drawn = across @ tangents
         longest = math.sqrt(SEARCH_RADIUS**2 - self.radius**2)
         drawn *= np.minimum(1.0, longest / (np.linalg.norm(drawn, axis=1, keepdims=True) + 1e-12))
-        distances = self.radius - self.margin(self.radius * self.towards + drawn)
-        return drawn, distances, weights
+        # in one batch with points all around: rows that lie at T alone have no spread to compare by
+        around = stratified_points(AROUND, self.towards.size, 2)[0]
+        margins = self.margin(np.vstack([self.radius * self.towards + drawn, around]))
+        return drawn, self.radius - margins[:DRAWN], weights
 
     def shares(self, distances: FloatArray) -> FloatArray:
         """Probabilities (k,) beyond distances (k,), relative to that beyond the point's plane."""

@@ -11,21 +11,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from uqfold.methods.design_point_check import EXPLAINED, Surroundings
+from uqfold.methods.design_point_check import AROUND, EXPLAINED, Surroundings
 from uqfold.methods.stratified import stratified_points
 from uqfold.typing import BoolArray, FloatArray
 
 BEFORE = 20
 """Points on the ray from the origin to a design point."""
-AROUND = 100
-"""Points all around."""
-SEED = 2
 
 
 def unexplained(points: Sequence[Surroundings]) -> float:
     """Probability of failures that no design point explains, as a share of that behind the first.
 
-    Takes `BEFORE` runs for each point, and `AROUND` which all thresholds share.
+    Takes `BEFORE` runs for each point; those all around have been made.
 
     Raises
     ------
@@ -33,7 +30,7 @@ def unexplained(points: Sequence[Surroundings]) -> float:
         If the runs do not fit.
     """
     first = points[0]
-    u, weights = stratified_points(AROUND, first.towards.size, SEED)
+    u, weights = stratified_points(AROUND, first.towards.size, 2)
     fails = first.margin(u) > 0.0
     fails[fails] = ~np.any([_explains(one, u[fails]) for one in points], axis=0)
     around = float(weights[fails].sum()) / AROUND / first.probability
