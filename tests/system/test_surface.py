@@ -359,3 +359,17 @@ def test_failure_all_around_is_integrated_within_the_stated_error() -> None:
     responses = system.responses(surface)
     apart = abs(ndtri(system.failures_given(responses, asked)[0].pf) - ndtri(math.exp(-8.0)))
     assert apart < 2.0 * float(system.integration_errors(responses, asked)[0])
+
+
+@pytest.mark.parametrize("inputs", [10, 100])
+def test_failure_all_around_far_out_is_told_by_rays_however_lines_contradict(inputs: int) -> None:
+    """Lines saw a hundredth of pf = 1e-9, rays all of it: their distance was an error of both."""
+
+    def surface(u: FloatArray) -> FloatArray:
+        return np.asarray((u**2).sum(axis=1))
+
+    asked = [Criterion(float(chi2.isf(1e-9, inputs)))]
+    system = laid_out(surface, inputs, 0, 1, asked)
+    responses = system.responses(surface)
+    assert system.failures_given(responses, asked)[0].pf == pytest.approx(1e-9, rel=0.01)
+    assert system.integration_errors(responses, asked)[0] < 1e-3

@@ -284,9 +284,9 @@ class _Choice:
     def _sampled(self, quadrature: SurfaceSystem) -> tuple[SurfaceSystem, float]:
         """Draw lines or rays, whichever a trial finds to err less; and give the largest error.
 
-        Where the answers of the two contradict each other, one of them has missed something that
-        its own scatter does not show: the distance counts as an error. So does what half as many
-        shared nodes change.
+        Where the answers of the two contradict each other, the one that sees less of the rarer
+        outcome has missed something that its own scatter does not show: if that one is drawn, the
+        distance counts as an error. So does what half as many shared nodes change.
         """
 
         def tried(most: int, stations: int, *, rays: bool) -> _Trial:
@@ -302,11 +302,11 @@ class _Choice:
 
         most, enough = self.max_points // _TRIED, self.max_points // _FEWER
         lines, rays = trial(rays=False), trial(rays=True)
-        gap = np.abs(lines.indices - rays.indices)
+        by_rays = bool(rays.errors.max() < lines.errors.max())
+        best, other = (rays, lines) if by_rays else (lines, rays)
+        gap = np.abs(best.indices) - np.abs(other.indices)
         contradicted = gap > _AT_ODDS * np.hypot(lines.errors, rays.errors)
         error = float(gap[contradicted].max(initial=0.0))
-        by_rays = bool(rays.errors.max() < lines.errors.max())
-        best = rays if by_rays else lines
         stations = max(rule.lines.stations.size for rule in best.system.rules if rule.lines.sampled)
         while best.errors.max() > _ENOUGH and most < enough:
             most = min(4 * most, enough)
