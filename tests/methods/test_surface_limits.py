@@ -106,8 +106,8 @@ def test_many_criteria_are_learned_from_some(monkeypatch: pytest.MonkeyPatch) ->
     sizes = []
     plain = View.of.__func__  # type: ignore[attr-defined]
 
-    def seen(cls: type[View], processes: object, question: object, rng: object) -> View:
-        view = plain(cls, processes, question, rng)
+    def seen(cls: type[View], *given: object) -> View:
+        view = plain(cls, *given)
         sizes.append(view.beta_std.size)
         assert view.question.for_all(view.beta_std).shape == (900,)
         return view  # type: ignore[no-any-return]
