@@ -39,6 +39,8 @@ OTHERS = ("saddlepoint", "pearson", "cubic-normal")
 """Families that are compared with one another unless others are named."""
 _FINER, _MOST_OUTER = 6, 100
 """Nodes that the finest rule over a shared input has more, and most nodes over all of them."""
+_ASKED = (0, 1, 2, 5, 15, 50, 84, 94, 97, 98, 99)
+"""Places, in the order of what their responses miss the polynomial by, whose answers are asked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,12 +113,14 @@ class FactorialCheck:
             "two nodes more over the shared inputs",
             f"{self.kinds[0].outer[2].weights.size} nodes over the shared inputs",
             "responses near the threshold",
+            "responses all around",
         ]
         amounts = [
             np.abs(inside - answers),
             np.abs(own - inside),
             np.abs(outside - own),
             np.maximum(*(np.abs(one - own) for one in moved)),
+            self._around(criteria, works, own),
         ]
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)
@@ -126,6 +130,27 @@ class FactorialCheck:
             causes.append(family.title)
             amounts.append(np.abs(other - own))
         return OtherAnswers(causes, np.array(amounts), families)
+
+    def _around(
+        self, criteria: Sequence[Criterion], works: BoolArray, own: FloatArray
+    ) -> FloatArray:
+        """Return what responses that miss the polynomial all around change the answers by (C,).
+
+        As if what each of them misses it by were added at all places that share its narrow
+        feature: at one in `LOOKS`. Of those that miss it by little only a few are asked.
+        """
+        changes = [np.zeros(len(criteria))]
+        for kind in self.kinds:
+            apart = np.sort(kind.tested.apart)
+            by = apart[np.unique(np.clip(_ASKED, 0, apart.size - 1))]
+            every = [
+                one for step in by for one in _moved(criteria, np.full(works.size, -step), False)
+            ]
+            moved = self._answers(1, self.own, every, np.tile(works, by.size))
+            moved = np.where(np.isnan(moved), 1.0, moved).reshape(by.size, -1)
+            mean = [np.interp(apart, by, moved[:, one]).mean() for one in range(works.size)]
+            changes.append(np.abs(np.array(mean) - own))
+        return np.asarray(np.max(changes, axis=0))
 
     def _answers(
         self, finer: int, family: Family, criteria: Sequence[Criterion], works: BoolArray

@@ -13,12 +13,15 @@ from uqfold.inputs.gauss import MAX_GAUSS_NODES
 from uqfold.methods.factorial_rules import MOST_POINTS, GaussRule, product_of_weights, rules_of
 from uqfold.methods.factorial_runs import FactorialRuns, line_places
 from uqfold.methods.factorial_surface import FactorialSurface
+from uqfold.methods.stratified import stratified_points
 from uqfold.problems.criterion import Criterion
 from uqfold.system.structure import SystemUnits
 from uqfold.typing import FloatArray, IntArray
 
 _LEVELS, _PLACES = 4, 2
 """Thresholds near which the polynomial is tested, and places for each."""
+LOOKS = 100
+"""Places all around, evenly along each input: a ridge may lie between nodes wherever it is."""
 _NEAR = 0.25
 """How near, in standard deviations of the response."""
 
@@ -38,12 +41,15 @@ class TestedSurface:
     miss
         Largest distance where all inputs are one standard-normal unit low, or high: Gauss nodes of
         an input over many decades all lie in the highest ones.
+    apart
+        Responses all around, less the polynomial (n,).
     """
 
     surface: FactorialSurface
     levels: FloatArray
     misses: FloatArray
     miss: float
+    apart: FloatArray
 
     def misses_at(self, criteria: Sequence[Criterion]) -> FloatArray:
         """Return how far the responses near each threshold may be from the polynomial (C,)."""
@@ -79,6 +85,7 @@ def tested_surfaces(runs: Sequence[FactorialRuns]) -> list[TestedSurface]:
         lines = line_places(one.known.inputs, one.surface, one.counts, axes)
         levels = _levels(units.thresholds(thresholds, one.known.kind))
         needed += one.known.missing(one.surface.on_lines(lines)) + _PLACES * levels.size + 2
+        needed += LOOKS
         plans.append((one, lines, levels))
     if needed > task.session.remaining:
         raise BudgetExceededError(
@@ -97,14 +104,17 @@ def _tested(
     surface = runs.surface.with_lines(lines, known.finite)
     places, of_level = _places_near(surface, between, levels)
     likely = np.outer([-1.0, 1.0], np.ones(inputs.dimension))
+    likely = np.concatenate([likely, stratified_points(LOOKS, inputs.dimension, 3, wider=1.0)[0]])
     if inputs.independent:
         likely = inputs.from_standard_normal(likely)
     every = np.concatenate([likely, places])
-    apart = np.abs(known.finite(every) - surface.at(every))
+    apart = known.finite(every) - surface.at(every)
+    around, near = np.split(apart, [len(likely)])
     misses = np.zeros(levels.size)
-    np.maximum.at(misses, of_level, apart[2:])
+    np.maximum.at(misses, of_level, np.abs(near))
     tested = np.unique(of_level)
-    return TestedSurface(surface, levels[tested], misses[tested], float(apart[:2].max()))
+    miss = float(np.abs(around[:2]).max())
+    return TestedSurface(surface, levels[tested], misses[tested], miss, around[2:])
 
 
 def _levels(thresholds: FloatArray) -> FloatArray:

@@ -10,8 +10,10 @@ WIDER = 2.0
 """So many times denser than points, at the median, is the normal law that they stand for."""
 
 
-def stratified_points(number: int, dimension: int, seed: int) -> tuple[FloatArray, FloatArray]:
-    """Return a Latin hypercube of normal points, a little wider than the standard-normal law.
+def stratified_points(
+    number: int, dimension: int, seed: int, wider: float = WIDER
+) -> tuple[FloatArray, FloatArray]:
+    """Return a Latin hypercube of normal points, by default wider than the standard-normal law.
 
     Along each input every one of `number` shares of a wider normal law holds one point, so that a
     ridge, slab or step of one input is met wherever it matters. Same seed, same points.
@@ -30,7 +32,7 @@ def stratified_points(number: int, dimension: int, seed: int) -> tuple[FloatArra
         return np.empty((number, 0)), np.ones(number)
     rng = np.random.default_rng(seed)
     shares = np.stack([rng.permutation(number) for _ in range(dimension)], axis=1)
-    spread = WIDER ** (1.0 / dimension)
+    spread = wider ** (1.0 / dimension)
     points = spread * ndtri((shares + rng.uniform(0.01, 0.99, shares.shape)) / number)
-    weights = WIDER * np.exp(-0.5 * (1.0 - spread**-2) * (points**2).sum(axis=1))
+    weights = wider * np.exp(-0.5 * (1.0 - spread**-2) * (points**2).sum(axis=1))
     return np.asarray(points), np.asarray(weights)
