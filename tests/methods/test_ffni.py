@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from uqfold.evaluation import Evaluator
 from uqfold.inputs import normal
-from uqfold.methods import FFNIPearson, FFNISaddlepoint
+from uqfold.methods import FFNI, FFNIPearson, FFNISaddlepoint, ReliabilityMethod
 from uqfold.methods.factorial_design import factorial_design
 from uqfold.moments.saddlepoint import SaddlepointDistribution, SaddlepointValue
 from uqfold.problems import Problem, folding_wing, four_bar, series
@@ -401,6 +401,30 @@ def test_the_check_is_skipped_when_asked_to_or_without_room() -> None:
     skipped = FFNISaddlepoint(check=False).estimate(series(), asked)
     small = FFNISaddlepoint().estimate(series(), asked, max_evals=75)
     assert whole[0].pf == skipped[0].pf == small[0].pf
-    assert (whole.n_evals, skipped.n_evals, small.n_evals) == (95, 75, 75)
+    assert (whole.n_evals, skipped.n_evals, small.n_evals) == (205, 75, 75)
     assert skipped[0].status == small[0].status == "unchecked"
-    assert "no room for the 20 runs of the check" in small[0].message
+    assert "no room for the 130 runs of the check" in small[0].message
+
+
+@pytest.mark.parametrize("method", [FFNISaddlepoint(5, 5), FFNIPearson(5, 5), FFNI()])
+@pytest.mark.parametrize(("at", "width", "height"), [(2.0, 0.1, 2.0), (-1.5, 0.05, 3.0)])
+def test_a_ridge_between_nodes_is_doubted(
+    method: ReliabilityMethod, at: float, width: float, height: float
+) -> None:
+    """No node lies on it: 47 to 89 % of pf were missing, `converged`."""
+    problem = Problem(
+        lambda x: x[:, 0] + height * np.exp(-(((x[:, 1] - at) / width) ** 2)),
+        individual={"a": normal(0.0, 1.0), "u": normal(0.0, 1.0)},
+    )
+    row = method.estimate(problem, Criterion(3.2))[0]
+    assert (row.status, row.pf) == ("doubtful", pytest.approx(6.9e-4, rel=0.1))
+    assert "responses all around" in row.message
+
+
+def test_a_gap_in_the_failures_beyond_the_threshold_is_doubted() -> None:
+    """36 % of what lies beyond works again: 56 % too many failures, `converged`."""
+    problem = Problem(
+        lambda x: np.where(np.abs(x - 3.2) < 0.1, -1.0, x)[:, 0], individual={"u": normal(0.0, 1.0)}
+    )
+    row = FFNI().estimate(problem, Criterion(3.0))[0]
+    assert (row.status, "responses beyond" in row.message) == ("doubtful", True)

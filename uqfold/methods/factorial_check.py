@@ -114,6 +114,7 @@ class FactorialCheck:
             f"{self.kinds[0].outer[2].weights.size} nodes over the shared inputs",
             "responses near the threshold",
             "responses all around",
+            "responses beyond the threshold",
         ]
         amounts = [
             np.abs(inside - answers),
@@ -121,6 +122,7 @@ class FactorialCheck:
             np.abs(outside - own),
             np.maximum(*(np.abs(one - own) for one in moved)),
             self._around(criteria, works, own),
+            answers * np.max([one.tested.astray_at(criteria) for one in self.kinds], axis=0),
         ]
         amounts = [np.nan_to_num(one, nan=np.inf) for one in amounts]
         families = np.zeros(len(criteria), dtype=bool)

@@ -22,6 +22,10 @@ _LEVELS, _PLACES = 4, 2
 """Thresholds near which the polynomial is tested, and places for each."""
 LOOKS = 100
 """Places all around, evenly along each input: a ridge may lie between nodes wherever it is."""
+BEHIND = 10
+"""Places straight behind the likeliest one near each level, each for a tenth of what lies there."""
+_TRIED = np.linspace(0.4, 2.8, 61)
+"""Where the polynomial is sought at the level, as multiples of the distance of that place."""
 _NEAR = 0.25
 """How near, in standard deviations of the response."""
 
@@ -43,6 +47,8 @@ class TestedSurface:
         an input over many decades all lie in the highest ones.
     apart
         Responses all around, less the polynomial (n,).
+    astray
+        Share of responses behind each level that lie on its other side than the polynomial (L,).
     """
 
     surface: FactorialSurface
@@ -50,6 +56,14 @@ class TestedSurface:
     misses: FloatArray
     miss: float
     apart: FloatArray
+    astray: FloatArray
+
+    def astray_at(self, criteria: Sequence[Criterion]) -> FloatArray:
+        """Return the share behind each threshold where the polynomial is on its wrong side (C,)."""
+        if not self.levels.size:
+            return np.zeros(len(criteria))
+        thresholds = np.array([one.threshold for one in criteria])
+        return np.asarray(np.interp(thresholds, self.levels, self.astray))
 
     def misses_at(self, criteria: Sequence[Criterion]) -> FloatArray:
         """Return how far the responses near each threshold may be from the polynomial (C,)."""
@@ -85,7 +99,7 @@ def tested_surfaces(runs: Sequence[FactorialRuns]) -> list[TestedSurface]:
         lines = line_places(one.known.inputs, one.surface, one.counts, axes)
         levels = _levels(units.thresholds(thresholds, one.known.kind))
         needed += one.known.missing(one.surface.on_lines(lines)) + _PLACES * levels.size + 2
-        needed += LOOKS
+        needed += LOOKS + BEHIND * levels.size
         plans.append((one, lines, levels))
     if needed > task.session.remaining:
         raise BudgetExceededError(
@@ -114,7 +128,44 @@ def _tested(
     np.maximum.at(misses, of_level, np.abs(near))
     tested = np.unique(of_level)
     miss = float(np.abs(around[:2]).max())
-    return TestedSurface(surface, levels[tested], misses[tested], miss, around[2:])
+    astray = _astray(
+        runs, surface, levels[tested], places[np.unique(of_level, return_index=True)[1]]
+    )
+    return TestedSurface(surface, levels[tested], misses[tested], miss, around[2:], astray)
+
+
+def _astray(
+    runs: FactorialRuns, surface: FactorialSurface, levels: FloatArray, places: FloatArray
+) -> FloatArray:
+    """Run places behind the one near each level (L, d); see `TestedSurface`."""
+    from scipy.special import ndtr, ndtri
+
+    inputs = runs.known.inputs
+    u = inputs.to_standard_normal(places) if inputs.independent else places
+    shares, found = (np.arange(BEHIND) + 0.5) / BEHIND, np.zeros(levels.size)
+    spread = float(np.ptp(runs.surface.patches[0].table))
+
+    def along(lengths: FloatArray, towards: FloatArray) -> FloatArray:
+        points = np.outer(lengths, towards)
+        return inputs.from_standard_normal(points) if inputs.independent else points
+
+    for row, level in enumerate(levels.tolist()):
+        radius = float(np.linalg.norm(u[row]))
+        if not 0.0 < radius < math.inf:
+            continue
+        towards = u[row] / radius
+        # the polynomial comes to the level near that place
+        tried = radius * _TRIED
+        above = surface.at(along(tried, towards)) > level
+        passes = tried[1:][above[1:] != above[:-1]]
+        if passes.size:
+            radius = float(passes[np.argmin(np.abs(passes - radius))])
+        points = along(-ndtri(shares * ndtr(-radius)), towards)
+        y, q = runs.known.finite(points), surface.at(points)
+        # beside T the two sides are near each other
+        other = ((y > level) != (q > level)) & (np.abs(y - q) > _NEAR * spread)
+        found[row] = float(other.mean())
+    return found
 
 
 def _levels(thresholds: FloatArray) -> FloatArray:
