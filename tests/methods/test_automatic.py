@@ -239,3 +239,15 @@ def test_settings_are_checked() -> None:
         uqfold.estimate(linear(1.0), target=-1.0)
     with pytest.raises(ValueError, match="check_runs = -1"):
         Automatic(check_runs=-1)
+
+
+@pytest.mark.thorough
+def test_what_kriging_doubts_is_put_to_polynomials() -> None:
+    """Twenty inputs that are not normal; it was `doubtful` after 6,000 runs."""
+    problem = named_problem("rp54").problem()
+    result = uqfold.estimate(problem, rng=0)
+    assert courses(result)[:2] == [("kriging", "answer"), ("pce", "answer")]
+    assert result[0].status == "converged"
+    assert problem.references is not None
+    (right,) = problem.references
+    assert abs(result[0].pf - right.pf) < 3.0 * result[0].std_error < 0.15 * right.pf

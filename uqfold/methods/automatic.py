@@ -10,7 +10,12 @@ from typing import ClassVar
 from uqfold.checks import keep, real, whole
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import CriteriaLike
-from uqfold.methods.automatic_check import THRESHOLDS, as_partner, check_of_one_unit
+from uqfold.methods.automatic_check import (
+    SURFACES,
+    THRESHOLDS,
+    as_partner,
+    check_of_one_unit,
+)
 from uqfold.methods.automatic_course import Course, MethodTried
 from uqfold.methods.base import ReliabilityMethod, UnitsMayDiffer
 from uqfold.methods.directional_sampling import DirectionalSampling
@@ -20,6 +25,7 @@ from uqfold.methods.kriging import Kriging
 from uqfold.methods.line_sampling import LineSampling
 from uqfold.methods.monte_carlo import MonteCarlo
 from uqfold.methods.multifidelity_monte_carlo import MultifidelityMonteCarlo
+from uqfold.methods.polynomial_chaos import PolynomialChaos
 from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.methods.subset_simulation import SubsetSimulation
@@ -31,7 +37,8 @@ WITHOUT_A_BUDGET = 6_000
 """Evaluations where none are given."""
 SURFACE_SHARE, MOST_OF_SURFACE = 3, 600
 """A surface gets one part in so many of the budget, if that is enough for it, and at most this."""
-FEWEST_OF_SURFACE = 100
+FEWEST_OF_SURFACE, RUNS_OF_INPUT = 100, 20
+"""Polynomials of many inputs may have so many runs for each of them."""
 FEWEST_OF_SIMULATION = 1_000
 """With fewer runs left nothing is simulated without a surface: the error bar would say nothing."""
 FEWEST_GUIDED = 50
@@ -70,12 +77,12 @@ class AutomaticDetails:
 class Automatic(ReliabilityMethod):
     """One answer without choosing a method.
 
-    A Kriging surface answers what it can with a few runs. What it answers within the target is
-    checked by runs of the model where the surface says that it fails; what it doubts, or answers
-    less sharply, is sampled on the model with the surface as a guide, or by simulation of rare
-    events with all runs that are left. Two answers that contradict each other are never
-    ``converged``, an answer that no check has seen is ``unchecked``, and the message of a row says
-    what was believed and why.
+    A Kriging surface answers what it can with a few runs, and polynomial chaos what that doubts.
+    What they answer within the target is checked by runs of the model where the surface says that
+    it fails; what they doubt, or answer less sharply, is sampled on the model with the surface as a
+    guide, or by simulation of rare events with all runs that are left. Two answers that contradict
+    each other are never ``converged``, an answer that no check has seen is ``unchecked``, and the
+    message of a row says what was believed and why.
 
     Attributes
     ----------
@@ -128,10 +135,7 @@ class Automatic(ReliabilityMethod):
         everything = range(len(task.criteria))
         with task.session.share(budget) as session:
             course = Course(replace(task, session=session))
-            surface = Kriging(target_cov=self.target_cov)
-            most = min(budget, max(FEWEST_OF_SURFACE, budget // SURFACE_SHARE), MOST_OF_SURFACE)
-            found = course.ask(surface, everything, most, "answer")
-            partner = as_partner(found.details, task.problem)
+            partner = self._surfaces(course, budget)
             answered = [i for i in everything if course.status(i) == "converged"]
             unseen = self._check(course, answered, partner)
             rest = [
@@ -150,6 +154,25 @@ class Automatic(ReliabilityMethod):
             wanted = self.check_runs > 0
             answers = [course.answer(i, self.target_cov, check_wanted=wanted) for i in everything]
         return Solution(answers, AutomaticDetails(tuple(course.attempts)))
+
+    def _surfaces(self, course: Course, budget: int) -> Problem | None:
+        """Answer by a surface, and what it doubts by another; return the better one as partner.
+
+        A process that learns the length of every input is soon lost among many of them, where few
+        polynomials may be all there is, in the inputs' own distributions above all.
+        """
+        task, everything = course.task, range(len(course.task.criteria))
+        share = budget // SURFACE_SHARE
+        most = min(budget, max(FEWEST_OF_SURFACE, share), MOST_OF_SURFACE)
+        surface = Kriging(target_cov=self.target_cov)
+        details = course.ask(surface, everything, most, "answer").details
+        doubted = [i for i in everything if course.status(i) in ("doubtful", "budget_exhausted")]
+        most = max(most, min(share, RUNS_OF_INPUT * task.problem.kinds.dimension))
+        if doubted and task.session.remaining >= most + FEWEST_OF_SIMULATION:
+            polynomials = PolynomialChaos(target_cov=self.target_cov)
+            other = course.ask(polynomials, doubted, most, "answer").details
+            details = min((details, other), key=_misfit)
+        return as_partner(details, course.task.problem)
 
     def _check(self, course: Course, answered: list[int], partner: Problem | None) -> list[int]:
         """Check what a surface has answered; return what runs of the model have not seen."""
@@ -239,6 +262,10 @@ class Automatic(ReliabilityMethod):
         if _few(task, rows):
             return ImportanceSampling(target_cov=self.target_cov)
         return SubsetSimulation(target_cov=self.target_cov)
+
+
+def _misfit(details: object) -> float:
+    return details.relative_error if isinstance(details, SURFACES) else math.inf
 
 
 def _many(task: Task) -> bool:

@@ -12,17 +12,20 @@ from uqfold.inputs import JointInputs
 from uqfold.methods.automatic_course import SEEN, Course, differ
 from uqfold.methods.guided_sampling import GuidedDetails, GuidedSampling
 from uqfold.methods.kriging import KrigingDetails
+from uqfold.methods.polynomial_chaos import PolynomialChaosDetails
 from uqfold.methods.result import NORMAL_95, Estimate
 from uqfold.methods.warped import WarpedSurface
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 from uqfold.problems.structure import Series
 from uqfold.surrogates.designs import MAX_COORDINATE
-from uqfold.surrogates.gaussian_process import fit_gaussian_process
+from uqfold.surrogates.gaussian_process import GaussianProcess, fit_gaussian_process
 from uqfold.typing import FloatArray
 
 MOST_INPUTS, MOST_RUNS = 30, 1_000
 """A surface of more inputs, or of more runs, learns no more from its checks."""
+SURFACES = (KrigingDetails, PolynomialChaosDetails)
+"""What a surface tells of itself."""
 THRESHOLDS = 3
 """A surface is checked at so many thresholds at most, from the highest on, until it holds."""
 
@@ -52,11 +55,13 @@ class SurfaceModel:
     ) -> SurfaceModel | None:
         """Return the surface of the same runs and further ones, rougher than it may have been.
 
-        None with too many inputs or runs: fits take too long then.
+        None with too many inputs or runs, where fits take too long, and of polynomials.
         """
         warp = self.surface.warp if isinstance(self.surface, WarpedSurface) else None
         fitted = self.surface if warp is None else self.surface.surface
-        if self.inputs.dimension > MOST_INPUTS or fitted.y.size + y.size > MOST_RUNS:
+        if not isinstance(fitted, GaussianProcess) or self.inputs.dimension > MOST_INPUTS:
+            return None
+        if fitted.y.size + y.size > MOST_RUNS:
             return None
         u = self.inputs.to_standard_normal(x)
         y = y if warp is None else warp(y)
@@ -73,7 +78,7 @@ class SurfaceModel:
 
 def as_partner(details: object, problem: Problem) -> Problem | None:
     """Return the problem with a surface as its partner; None where there is not one for all."""
-    if not isinstance(details, KrigingDetails) or details.of_other_kinds:
+    if not isinstance(details, SURFACES) or details.of_other_kinds:
         return None
     model = SurfaceModel(details.surface, problem.inputs)
     return replace(problem, low_fidelity=model)
