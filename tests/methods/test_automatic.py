@@ -54,7 +54,8 @@ def test_what_a_surface_doubts_is_simulated_where_the_surface_leaves_it_open() -
     result = uqfold.estimate(problem, rng=1)
     assert problem.references is not None
     (right,) = problem.references
-    assert courses(result) == [("kriging", "answer"), ("multifidelity-mc", "answer")]
+    names = [name for name, _ in courses(result)]
+    assert names == ["kriging", "pce", "multifidelity-mc"]
     assert result[0].status == "converged"
     assert abs(result[0].pf - right.pf) < 4.0 * result[0].std_error < 0.25 * right.pf
 

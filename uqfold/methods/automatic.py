@@ -149,7 +149,7 @@ class Automatic(ReliabilityMethod):
             if rest and session.remaining >= FEWEST_OF_SIMULATION:
                 course.ask(self._simulation(task, rest), rest, session.remaining, "answer")
             nothing = 0 < session.n_failed == session.n_evals
-            if rest := [i for i in rest if course.last(i) is None and not nothing]:
+            if rest := [i for i in rest if course.best(i) is None and not nothing]:
                 course.ask(MonteCarlo(), rest, session.remaining, "answer")
             wanted = self.check_runs > 0
             answers = [course.answer(i, self.target_cov, check_wanted=wanted) for i in everything]

@@ -111,7 +111,7 @@ def check_of_one_unit(
             f"{estimate.std_error / found.partner_pf:.1g} times as often at T = {threshold:g} as "
             "by the surface"
         )
-        apart = [i for i in here if differ(_by_surface(found, course.last(i)), estimate)]
+        apart = [i for i in here if differ(_by_surface(found, course.best(i)), estimate)]
         for i in apart:
             course.refuted(i, said)
         left = [i for i in left if i not in apart]

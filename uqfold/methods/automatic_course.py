@@ -146,17 +146,16 @@ class Course:
         told = self._rows[row].told
         return told[-1].estimate.status if told else "unsupported"
 
-    def last(self, row: int) -> Estimate | None:
-        """Return the last answer to a criterion that is a number, or None."""
-        for one in reversed(self._rows[row].told):
-            if one.estimate.status not in NO_ANSWER:
-                return one.estimate
-        return None
+    def best(self, row: int) -> Estimate | None:
+        """Return the best answer to a criterion that is a number, or None; the first of equals."""
+        told = [one.estimate for one in self._rows[row].told]
+        known = [one for one in told if one.status not in NO_ANSWER]
+        return min(known, key=_merit, default=None)
 
     def pf(self, row: int) -> float:
-        """Return the last answer to a criterion; 0 without one."""
-        last = self.last(row)
-        return 0.0 if last is None else last.pf
+        """Return the best answer to a criterion; 0 without one."""
+        best = self.best(row)
+        return 0.0 if best is None else best.pf
 
     def held(self, row: int, said: str) -> None:
         """Take down that a surface was checked for a criterion, and holds."""
