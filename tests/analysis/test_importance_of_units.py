@@ -216,7 +216,7 @@ def test_what_has_no_importance_is_refused() -> None:
         importance_of_units(together, Criterion(1.0))
     some = [Unit(), Unit(pump, [normal(0, 1)])]
     mixed = Problem(lambda x: x[:, 0], shared={"V": normal(0, 1)}, units=some)
-    with pytest.raises(ValueError, match="others share all of theirs"):
+    with pytest.raises(ValueError, match="some units share all of their inputs"):
         joint_failures(mixed, Criterion(1.0))
     series = Problem(pump, individual={"U": normal(0, 1)}, **options)
     with pytest.raises(ValueError, match="under tau units matter together"):

@@ -132,14 +132,34 @@ def with_other_inputs(
         If shared and individual ones depend on each other.
     """
     n = inputs.n_shared
-    if any(min(part.columns) < n <= max(part.columns) for part in inputs.parts.dependent):
-        remedy = "shared and individual inputs depend on each other: give all of them as inputs="
-        raise refused("inputs", inputs, remedy)
+    _refuse_tied(inputs)
     if shared is None and n > 0:
         shared = inputs.in_order(range(n))
     if individual is None and n < inputs.dimension:
         individual = inputs.in_order(range(n, inputs.dimension))
     return product_inputs(shared, individual, names)
+
+
+def shared_inputs(inputs: JointInputs) -> JointInputs:
+    """Return the shared ones of some inputs alone.
+
+    Raises
+    ------
+    ValueError
+        If there are none, or individual ones depend on them.
+    """
+    _refuse_tied(inputs)
+    if inputs.n_shared == 0:
+        raise refused("inputs", inputs, "none of them is shared, so that nothing would be left")
+    return product_inputs(inputs.in_order(range(inputs.n_shared)), None, inputs.shared_names)
+
+
+def _refuse_tied(inputs: JointInputs) -> None:
+    """Refuse inputs of which shared and individual ones depend on each other."""
+    n = inputs.n_shared
+    if any(min(part.columns) < n <= max(part.columns) for part in inputs.parts.dependent):
+        remedy = "shared and individual inputs depend on each other: give all of them as inputs="
+        raise refused("inputs", inputs, remedy)
 
 
 def joint_inputs(

@@ -38,17 +38,27 @@ def checked_unit(problem: Problem) -> Problem:
     return problem
 
 
-def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
-    """Return why surfaces given the shared inputs tell nothing of units that differ, or None.
+def certain_under_tau(problem: Problem, criterion: Criterion) -> str | None:
+    """Return why surfaces do not answer tau for units that differ, or None.
 
     A unit that shares all its inputs has a response given them, not a distribution.
     """
-    kinds, counts = problem.kinds, [one.n_individual for one in problem.kinds.inputs]
-    if kinds.equal or all(counts):
+    if criterion.tau is None or problem.kinds.equal:
         return None
-    if any(counts):
-        return "some units have inputs of their own, and others share all of theirs"
-    return None if criterion.tau is None else "under tau units that differ need inputs of their own"
+    if all(one.n_individual for one in problem.kinds.inputs):
+        return None
+    return "under tau units that differ need inputs of their own"
+
+
+def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
+    """Return why few nodes of the shared inputs tell nothing of units that differ, or None."""
+    kinds, counts = problem.kinds, [one.n_individual for one in problem.kinds.inputs]
+    if not kinds.equal and any(counts) and not all(counts):
+        return (
+            "some units share all of their inputs: given these they fail or work for certain, and "
+            "a sum over few nodes steps over where that changes"
+        )
+    return certain_under_tau(problem, criterion)
 
 
 def without_gauss_rules(problem: Problem) -> str | None:

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 
 from uqfold.checks import choice, flag, keep, or_none, real, refused, whole
 from uqfold.evaluation import TimeLimitError
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import certain_under_tau
 from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, Rival
@@ -176,7 +176,7 @@ class Kriging(SequentialMethod):
         """Refuse more training runs than a fit can bear."""
         if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
-        reason = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        reason = super().supports(problem, criterion) or certain_under_tau(problem, criterion)
         if reason is None and self.partner_runs > 0:
             return without_partner(f"partner_runs = {self.partner_runs}", problem)
         return reason

@@ -13,7 +13,7 @@ from uqfold.checks import choice, flag, keep, or_none, real, whole
 from uqfold.inputs import JointInputs
 from uqfold.inputs.marginal import Marginal
 from uqfold.inputs.polynomials import OwnPolynomials, own_polynomials
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import certain_under_tau
 from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.factorial_design import Nodes, affordable_design, checked_nodes
@@ -164,7 +164,7 @@ class PolynomialChaos(SequentialMethod):
 
     def supports(self, problem: Problem, criterion: Criterion) -> str | None:
         """Refuse the nodes of FFNI for units of several kinds."""
-        reason = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        reason = super().supports(problem, criterion) or certain_under_tau(problem, criterion)
         if reason is None and self.design == "ffni" and len(problem.kinds.models) > 1:
             return 'units with models or inputs of their own need design="space-filling"'
         return reason

@@ -29,7 +29,7 @@ from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.system.conditional import SystemProbability
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface import SurfaceSystem, reliability_indices
+from uqfold.system.surface import SurfaceSystem, conditional, reliability_indices
 from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray
@@ -235,9 +235,10 @@ def _answers_of(
     responses = system.responses(means, outcomes, noise)
     # units differ by what the surface makes of their own inputs: is that more than its error?
     blur = 0.0
-    for kind, one in enumerate(fitted if not system.together else []):
+    apart = [] if system.together else zip(fitted, conditional(responses.whole), strict=False)
+    for one, whole in apart:
         rms = one.validated.rms
-        if _scatter(responses.whole[kind], system.weights) <= _CLEAR * rms:
+        if _scatter(whole, system.weights) <= _CLEAR * rms:
             blur = max(blur, rms)
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
     drawn = system.coarse_responses(means, others, outcomes, noise)

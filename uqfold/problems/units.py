@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from types import MethodType
@@ -12,7 +12,7 @@ import numpy as np
 
 from uqfold.checks import function, instance, keep, or_none, real, refused, several, text, whole
 from uqfold.inputs import JointInputs
-from uqfold.inputs.assembly import with_other_inputs
+from uqfold.inputs.assembly import shared_inputs, with_other_inputs
 from uqfold.inputs.sameness import same_distribution
 from uqfold.problems.responses import numbers_in
 from uqfold.typing import FloatArray, IntArray, Model
@@ -27,8 +27,8 @@ class Unit:
     model
         Its own response model, or None for the problem's.
     individual
-        Its own distribution of the individual inputs, or None for the problem's. The shared inputs
-        of the problem must not depend on its individual ones then.
+        Its own distribution of the individual inputs, None for the problem's, or an empty list if
+        it has the shared ones alone. Those must not depend on the problem's individual ones then.
     offset
         Added to its response, in the response's unit.
     name
@@ -288,6 +288,8 @@ def _alike(one: JointInputs, other: JointInputs, of_problem: JointInputs) -> boo
 
 def _inputs_of(unit: Unit, inputs: JointInputs) -> JointInputs:
     """Return the inputs of a unit with individual ones of its own."""
+    if isinstance(unit.individual, Sized) and len(unit.individual) == 0:
+        return shared_inputs(inputs)
     joined = with_other_inputs(inputs, individual=unit.individual)
     names = (*inputs.shared_names, *joined.individual_names)
     if len(set(names)) < len(names):

@@ -33,6 +33,8 @@ _REFINED = 16
 # Scores at which tables aim; beyond 8, fewer than 1e-15 of all responses lie.
 _TARGETS, _FEW_TARGETS = np.linspace(-8.0, 8.0, 97), np.linspace(-8.0, 8.0, 33)
 _SMALLEST_STEP = 1e-7
+# Numbers held at once.
+_MOST_NUMBERS = 2_000_000
 # Noise below this share of a table's unit moves no score up to 8 by more than 4e-6.
 _NEGLIGIBLE_NOISE = 1e-3
 
@@ -69,6 +71,11 @@ class LineRule:
     radial: int = 0
     sampled: bool = False
 
+    @classmethod
+    def point(cls) -> LineRule:
+        """The rule over no variables at all."""
+        return cls(np.empty((1, 0)), np.ones(1), np.zeros(1))
+
     def every(self, step: int, first: int) -> LineRule:
         """The rule of every step-th line alone, from the first on; for lines drawn at random."""
         some = slice(first, None, step)
@@ -81,7 +88,9 @@ class LineRule:
         """The same lines with every second station, of which there is an odd number."""
         d = self.points.shape[1]
         points = self.points.reshape(self.weights.size, self.stations.size, d)[:, ::2]
-        return replace(self, points=points.reshape(-1, d), stations=self.stations[::2])
+        stations = self.stations[::2]
+        size = self.weights.size * stations.size
+        return replace(self, points=points.reshape(size, d), stations=stations)
 
     def _mass(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Probability of a part of a line."""
@@ -132,6 +141,80 @@ class LineRule:
             p_never=float(masses[NEVER]),
             p_always=float(masses[ALWAYS]),
             p_missing=float(masses[MISSING]),
+        )
+
+    def tails(
+        self,
+        values: FloatArray,
+        levels: FloatArray,
+        outcomes: IntArray | None = None,
+        noise: float = 0.0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Probability (K, T) up to levels and above them, at once for K functions.
+
+        Parameters
+        ----------
+        values, outcomes
+            Of each function at the points (K, lines * stations), as in `response`. A failed run
+            counts as one above all levels.
+        levels
+            The levels (T,).
+        noise
+            As in `response`; a function counts as a normal variable there.
+        """
+        if not np.isfinite(values).all():
+            raise ValueError("a response surface gave values that are not finite")
+        if self.stations.size == 1:
+            return self._tails_of_points(values[:, 0], levels, outcomes, noise)
+        asked, place = np.unique(levels, return_inverse=True)
+        unit, upsample = _refinement(self.stations.size)
+        fine = self.stations[0] + (self.stations[-1] - self.stations[0]) * unit
+        nearest = (np.arange(fine.size) + _REFINED // 2) // _REFINED
+        cells = self._mass(*_cells(fine))
+        found = np.empty((2, len(values), asked.size))
+        block = max(1, _MOST_NUMBERS // (fine.size * self.weights.size))
+        for start in range(0, len(values), block):
+            check_time()
+            some = slice(start, start + block)
+            table = values[some].reshape(-1, self.stations.size)
+            usable, kinds = None, None
+            if outcomes is not None:
+                kinds = outcomes[some].reshape(table.shape)[:, nearest]
+                usable = kinds == FINITE
+            for side, masses in enumerate(self._masses(table @ upsample.T, fine, asked, usable)):
+                whole = masses
+                if kinds is not None:
+                    beyond = [kinds == ALWAYS, (kinds == NEVER) | (kinds == MISSING)][side]
+                    whole = masses + (beyond @ cells)[:, None]
+                each = whole.reshape(-1, self.weights.size, asked.size)
+                found[side, some] = np.tensordot(each, self.weights, axes=(1, 0))
+        found /= np.maximum(found.sum(axis=0), 1e-300)
+        if noise > 0.0:
+            density = np.exp(-0.5 * self.stations**2)
+            weights = np.outer(self.weights, density / density.sum()).ravel()
+            mean = values @ weights
+            std = np.sqrt(np.maximum((values - mean[:, None]) ** 2 @ weights, 1e-300))
+            found = _less_certain(found, 1.0 / np.sqrt(1.0 + (noise / std) ** 2))
+        return found[0][:, place], found[1][:, place]
+
+    def _tails_of_points(
+        self, values: FloatArray, levels: FloatArray, outcomes: IntArray | None, noise: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same where there is one point and nothing to integrate over."""
+        from scipy.special import ndtr
+
+        beyond = values[:, None] - levels
+        if noise > 0.0:
+            up_to, above = ndtr(-beyond / noise), ndtr(beyond / noise)
+        else:
+            above = (beyond > 0.0).astype(float)
+            up_to = 1.0 - above
+        if outcomes is None:
+            return up_to, above
+        finite, always = outcomes == FINITE, outcomes == ALWAYS
+        return (
+            np.where(finite, up_to, always.astype(float)),
+            np.where(finite, above, 1.0 - always),
         )
 
     def _distribution(
@@ -206,17 +289,9 @@ class LineRule:
 
     def _mean(self, masses: FloatArray) -> FloatArray:
         """Mean (L,) over all lines of masses (lines, L)."""
-        if not self.sampled:
-            return np.asarray(self.weights @ masses)
-        count = self.weights.size
-        weight = count * self.weights
-        parts = weight[:, None] * masses
-        # the mean weight is known to be 1: a control variate
-        off = weight - weight.mean()
-        square = float(off @ off)
-        slope = off @ parts / square if square > 0.0 else 0.0
-        corrected = parts.mean(axis=0) - slope * (weight.mean() - 1.0)
-        return np.asarray(np.maximum(corrected, 0.0))
+        if self.sampled:
+            return weighted_mean(self.weights, masses)
+        return np.asarray(self.weights @ masses)
 
     @cached_property
     def _point_masses(self) -> FloatArray:
@@ -246,6 +321,19 @@ class LineRule:
         first = np.full(group[-1] + 1, levels.size)
         np.minimum.at(first, group, order)
         return np.asarray(levels[first])
+
+
+def weighted_mean(weights: FloatArray, masses: FloatArray) -> FloatArray:
+    """Mean (L,) of masses (n, L) with random weights (n,), whose expected sum is 1."""
+    count = weights.size
+    weight = count * weights
+    parts = weight[:, None] * masses
+    # the mean weight is known to be 1: a control variate
+    off = weight - weight.mean()
+    square = float(off @ off)
+    slope = off @ parts / square if square > 0.0 else 0.0
+    corrected = parts.mean(axis=0) - slope * (weight.mean() - 1.0)
+    return np.asarray(np.maximum(corrected, 0.0))
 
 
 def _cells(s: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -380,6 +468,14 @@ def _disturbed(
     if not (np.diff(moved) > 0.0).all():
         moved = score / np.sqrt(1.0 + (noise / _unit(distribution)) ** 2)
     return TabulatedDistribution(levels, moved)
+
+
+def _less_certain(tails: FloatArray, factor: FloatArray) -> FloatArray:
+    """Tails (2, K, T) whose normal scores are multiplied by factors (K,)."""
+    from scipy.special import ndtr
+
+    score = factor[:, None] * np.clip(_normal_score(*tails), -40.0, 40.0)
+    return np.stack([ndtr(score), ndtr(-score)])
 
 
 def _unit(distribution: TabulatedDistribution) -> float:

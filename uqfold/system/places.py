@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uqfold.system.cross_rules import quasi_random_rule
 from uqfold.typing import FloatArray
 
 _LINES, _MOST_STEPS = 600, 10
@@ -88,6 +89,15 @@ class Places:
         chosen = rng.choice(self.shares.size, size, p=self.shares / self.shares.sum())
         normal = rng.standard_normal((size, self.means.shape[1]))
         return np.asarray(self.means[chosen] + np.sqrt(self.variances[chosen]) * normal)
+
+    def spread(self, size: int) -> FloatArray:
+        """Return places (size, k) that fill the density evenly, always the same ones."""
+        from scipy.special import ndtr
+
+        normal = quasi_random_rule(self.means.shape[1] + 1, size)[0]
+        edges = np.cumsum(self.shares / self.shares.sum())[:-1]
+        chosen = np.searchsorted(edges, ndtr(normal[:, 0]))
+        return np.asarray(self.means[chosen] + np.sqrt(self.variances[chosen]) * normal[:, 1:])
 
 
 def failure_places(

@@ -49,10 +49,10 @@ class Axes:
         cls, surface: Surface, dimension: int, n_shared: int, shared: FloatArray | None = None
     ) -> Axes:
         """Directions of falling influence over body and tails; those `shared` may be known."""
-        gradients = _gradients(surface, dimension)
+        gradients = gradients_of(surface, dimension)
         if shared is None:
-            shared = _principal(gradients[:, :n_shared])
-        return cls(shared, _principal(gradients[:, n_shared:]))
+            shared = principal(gradients[:, :n_shared])
+        return cls(shared, principal(gradients[:, n_shared:]))
 
     def led_by(self, first: int) -> Axes:
         """The same directions, with lines along another individual one."""
@@ -267,13 +267,13 @@ def shared_axes(
     """
     pooled = []
     for surface, dimension in zip(surfaces, dimensions, strict=True):
-        gradients = _gradients(surface, dimension)
+        gradients = gradients_of(surface, dimension)
         size = math.sqrt(float(np.mean(gradients**2)))
         pooled.append(gradients[:, :n_shared] / (size if size > 0.0 else 1.0))
-    return _principal(np.vstack(pooled))
+    return principal(np.vstack(pooled))
 
 
-def _gradients(surface: Surface, dimension: int) -> FloatArray:
+def gradients_of(surface: Surface, dimension: int) -> FloatArray:
     """Differences (points, d) over body and tails, as gradients go."""
     centre = _SPREAD * np.random.default_rng(0).standard_normal((_LOOK_AT, dimension))
     gradients = np.empty((_LOOK_AT, dimension))
@@ -287,7 +287,7 @@ def _gradients(surface: Surface, dimension: int) -> FloatArray:
     return gradients
 
 
-def _principal(gradients: FloatArray) -> FloatArray:
+def principal(gradients: FloatArray) -> FloatArray:
     """Directions in columns, by falling share of the mean squared gradient."""
     basis = np.linalg.eigh(gradients.T @ gradients)[1]
     return np.asarray(basis[:, ::-1])

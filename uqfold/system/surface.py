@@ -23,16 +23,17 @@ from uqfold.system.conditional import (
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.cross_rules import SHARED_REACH
 from uqfold.system.refinement import TOLERANCE
+from uqfold.system.shared_lines import OnLines
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface_rule import Surface, SurfaceRule
+from uqfold.system.surface_rule import AtNodes, Surface, SurfaceRule
 from uqfold.typing import FloatArray, IntArray
 
 Outcomes: TypeAlias = Callable[[FloatArray], IntArray]
 """Takes u (n, d), gives the kinds of outcome (n,): see `uqfold.system.lines`."""
 Surfaces: TypeAlias = Surface | Sequence[Surface]
 """The surface of units that are all of one kind, or one for each kind."""
-OfKinds: TypeAlias = Sequence[Sequence[ConditionalResponse]]
-"""For each kind the conditional responses at the shared nodes."""
+OfKinds: TypeAlias = Sequence[AtNodes]
+"""What the units of each kind do at the shared nodes."""
 
 
 # Error of crossings and tables; and how much worse a rule may be than its last refinement showed,
@@ -160,13 +161,13 @@ class SurfaceSystem:
             rule.responses(surface(rule.points))
             for rule, surface, _, _ in self._each(self.rules, surfaces, None, 0.0)
         ]
-        return reliability_indices(self._answer(self.weights, found, criteria))
+        return reliability_indices(self._answer(self.rules[0], found, criteria))
 
     def failures_given(
         self, responses: Responses, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
         """Failure probability under each criterion from `responses`."""
-        return self._answer(self.weights, responses.whole, criteria)
+        return self._answer(self.rules[0], responses.whole, criteria)
 
     def integration_errors(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices that the integration alone leaves.
@@ -182,10 +183,11 @@ class SurfaceSystem:
         if not responses.parts:
             left = max(rule.error for rule in self.rules)
             error = TOLERANCE if left <= _MET * TOLERANCE else _CAUTION * left
-            return np.hypot(np.maximum(error, along), beyond)
+            shared = self._errors_of_shared_lines(responses, criteria)
+            return np.sqrt(np.maximum(error, along) ** 2 + shared**2 + beyond**2)
         indices = np.array(
             [
-                reliability_indices(self._answer(self.weights, part, criteria))
+                reliability_indices(self._answer(self.rules[0], part, criteria))
                 for part in responses.parts
             ]
         )
@@ -203,10 +205,10 @@ class SurfaceSystem:
         nodes = self.rules[0].shared_nodes
         radius = np.linalg.norm(nodes, axis=1)
         edge = np.flatnonzero((radius > 0.999 * SHARED_REACH) & (radius < SHARED_REACH + 0.5))
-        if self.together or edge.size == 0:
+        if self.together or edge.size == 0 or self.rules[0].shared_lines is not None:
             return np.zeros(len(criteria))
         weights = np.full(edge.size, 1.0 / edge.size)
-        outermost = [[of_kind[int(i)] for i in edge] for of_kind in responses.whole]
+        outermost = [[of_kind[int(i)] for i in edge] for of_kind in conditional(responses.whole)]
         there = system_failures_of_kinds(outermost, weights, self.units, criteria)
         share = _GROWTH_BEYOND * float(chi.sf(SHARED_REACH, nodes.shape[1]))
         found = self.failures_given(responses, criteria)
@@ -220,10 +222,37 @@ class SurfaceSystem:
         ]
         return np.abs(reliability_indices(found) - reliability_indices(more))
 
+    def _errors_of_shared_lines(
+        self, responses: Responses, criteria: Sequence[Criterion]
+    ) -> FloatArray:
+        """Error (C,) of the indices from too few lines over the shared variables, and stations."""
+        shared = self.rules[0].shared_lines
+        if shared is None:
+            return np.zeros(len(criteria))
+        found, thinned = (
+            reliability_indices(one(_on_lines(responses.whole), self.units, criteria))
+            for one in (shared.failures, shared.coarser)
+        )
+        along = _HALVED * np.abs(found - thinned)
+        if shared.weights.size == 1:
+            return np.asarray(along)
+        count = _GROUPS if shared.sampled else 2
+        parts = np.array(
+            [
+                reliability_indices(part)
+                for part in shared.of_parts(_on_lines(responses.whole), self.units, criteria, count)
+            ]
+        )
+        if shared.sampled:
+            across = _FEW_PARTS * parts.std(axis=0, ddof=1) / math.sqrt(count)
+        else:
+            across = _HALVED * np.ptp(parts, axis=0)
+        return np.asarray(np.hypot(along, across))
+
     def errors_along_lines(self, responses: Responses, criteria: Sequence[Criterion]) -> FloatArray:
         """Error (C,) of the reliability indices from stations too far apart on random lines."""
         found, coarser = (
-            reliability_indices(self._answer(self.weights, some, criteria))
+            reliability_indices(self._answer(self.rules[0], some, criteria))
             for some in (responses.whole, responses.thinned)
         )
         return np.asarray(_HALVED * np.abs(found - coarser))
@@ -276,9 +305,9 @@ class SurfaceSystem:
         self, responses: Sequence[OfKinds], criteria: Sequence[Criterion]
     ) -> FloatArray:
         """Changes (R, C) of the indices from `coarse_responses`."""
-        weights = self.coarse[0].weights
+        rule = self.coarse[0]
         indices = np.array(
-            [reliability_indices(self._answer(weights, one, criteria)) for one in responses]
+            [reliability_indices(self._answer(rule, one, criteria)) for one in responses]
         )
         return np.asarray(indices[1:] - indices[0])
 
@@ -302,15 +331,28 @@ class SurfaceSystem:
         return zip(rules, each, kinds, std, strict=True)
 
     def _answer(
-        self, weights: FloatArray, responses: OfKinds, criteria: Sequence[Criterion]
+        self, rule: SurfaceRule, responses: OfKinds, criteria: Sequence[Criterion]
     ) -> list[SystemProbability]:
+        if rule.shared_lines is not None:
+            return rule.shared_lines.failures(_on_lines(responses), self.units, criteria)
+        given = conditional(responses)
         if not self.together:
-            return system_failures_of_kinds(responses, weights, self.units, criteria)
+            return system_failures_of_kinds(given, rule.weights, self.units, criteria)
         # tau = 0 still refuses infinite responses, which have no difference
         shift = self.units.shift if self.units.n_kinds == 1 else 0.0
         alone = [Criterion(c.threshold - shift, None if c.tau is None else 0.0) for c in criteria]
-        found = system_failures(responses[0], weights, 1, alone)
+        found = system_failures(given[0], rule.weights, 1, alone)
         return [_if_flown(one, c) for one, c in zip(found, criteria, strict=True)]
+
+
+def conditional(responses: OfKinds) -> list[Sequence[ConditionalResponse]]:
+    """Return those of each kind that are conditional responses."""
+    return [one for one in responses if not isinstance(one, OnLines)]
+
+
+def _on_lines(responses: OfKinds) -> list[OnLines]:
+    """Return those of each kind at the stations of shared lines."""
+    return [one for one in responses if isinstance(one, OnLines)]
 
 
 def of_system(surfaces: Sequence[Surface], units: SystemUnits) -> Surface:

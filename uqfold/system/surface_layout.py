@@ -16,6 +16,7 @@ from uqfold.problems.criterion import Criterion
 from uqfold.system.drawn_rules import DrawnRules
 from uqfold.system.refinement import Compared
 from uqfold.system.sampled_rule import SAMPLED_STATIONS
+from uqfold.system.shared_lines_layout import laid_out_on_shared_lines
 from uqfold.system.shared_nodes import with_shared_nodes
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import Surfaces, SurfaceSystem, of_system, reliability_indices
@@ -92,6 +93,8 @@ def laid_out(
     if together and len(each) > 1:
         each, sizes = [of_system(each, units)], [n_shared]
         asked = [_thresholds(SystemUnits(1), criteria, 0)]
+    if n_shared == min(sizes) < max(sizes):
+        return laid_out_on_shared_lines(each, sizes, n_shared, units, criteria, asked, max_points)
     # with a shared input or tau, responses matter that lie between the thresholds and the body
     alone = together and all(one.tau is None for one in criteria)
     plans = plans_of_kinds(

@@ -33,6 +33,7 @@ from uqfold.system.refinement import (
     refined,
     shared_axes,
 )
+from uqfold.system.shared_lines import SharedLines
 from uqfold.system.surface_rule import ACCEPTABLE, MAX_POINTS, SurfaceRule
 from uqfold.typing import FloatArray
 
@@ -130,6 +131,30 @@ class SurfacePlan:
             shared if nodes is None else nodes, lines, _COARSE_STATIONS, error=math.inf,
             short=True, asked=asked,
         )  # fmt: skip
+
+    def on_shared_lines(
+        self, shared: SharedLines, most: int, asked: FloatArray, *, coarse: bool = False
+    ) -> SurfaceRule:
+        """Lay out at most so many points beside the stations of shared lines, or few.
+
+        The lines must run along the shared directions of the plan.
+        """
+        nodes = shared.coordinates, shared.node_weights
+        if coarse:
+            return replace(self.coarse_rule(asked, nodes), shared_lines=shared)
+        needs = [*self.across[self.n_shared :], self.along]
+        most //= shared.node_weights.size
+        *across, along = levels = _cut(
+            needs, lambda one: _nodes(one[:-1]) * STATIONS[one[-1]], most
+        )
+        error = math.hypot(*(need.errors[i] for need, i in zip(needs, levels, strict=True)))
+        stations = STATIONS[along]
+        if error > _TOO_COARSE and len(across) > 2:
+            lines = quasi_random_rule(len(across), max(1, most // stations))
+        else:
+            lines = product_rule([ladder_rule(level) for level in across])
+        rule = self._laid_out(nodes, lines, stations, error=error, asked=asked)
+        return replace(rule, shared_lines=shared)
 
     def _laid_out(
         self,

@@ -6,16 +6,22 @@ each of them (`uqfold.system.lines`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.lines import LineRule
 from uqfold.system.refinement import Surface
+from uqfold.system.shared_lines import OnLines, SharedLines
 from uqfold.typing import FloatArray, IntArray
 
 __all__ = ["MAX_POINTS", "Surface", "SurfaceRule", "joined"]
+
+AtNodes: TypeAlias = Sequence[ConditionalResponse] | OnLines
+"""Conditional responses of one kind at all shared nodes, or what they are made of."""
 
 MAX_POINTS = 400_000
 """Points at which a surface is evaluated unless the caller says otherwise."""
@@ -40,6 +46,8 @@ class SurfaceRule:
         Error of a normal score that the rule leaves, as far as refinement has shown.
     confirmed
         Whether lines and rays drawn at random, which err by more, do not contradict it.
+    shared_lines
+        Lines of which the shared nodes are the stations; None where nodes stand for themselves.
     """
 
     shared_nodes: FloatArray
@@ -47,6 +55,7 @@ class SurfaceRule:
     lines: LineRule
     error: float
     confirmed: bool = False
+    shared_lines: SharedLines | None = None
 
     @property
     def resolved(self) -> bool:
@@ -74,8 +83,10 @@ class SurfaceRule:
 
     def responses(
         self, values: FloatArray, outcomes: IntArray | None = None, noise: float = 0.0
-    ) -> list[ConditionalResponse]:
+    ) -> AtNodes:
         """Return one conditional response per shared node; see `LineRule.response`.
+
+        At the stations of shared lines, return what such responses are made of.
 
         Parameters
         ----------
@@ -85,9 +96,11 @@ class SurfaceRule:
             Standard deviation of an independent normal disturbance of every response.
         """
         rows = values.reshape(self.weights.size, -1)
-        if outcomes is None:
+        kinds = None if outcomes is None else outcomes.reshape(rows.shape)
+        if self.shared_lines is not None:
+            return OnLines(self.lines, rows, kinds, noise)
+        if kinds is None:
             return [self.lines.response(row, None, noise) for row in rows]
-        kinds = outcomes.reshape(rows.shape)
         pairs = zip(rows, kinds, strict=True)
         return [self.lines.response(row, kind, noise) for row, kind in pairs]
 
