@@ -145,7 +145,8 @@ def test_infinite_and_failed_responses_count_as_failures() -> None:
     for kind in (NEVER, MISSING):
         for first, second in ((kind, FINITE), (FINITE, kind)):
             [found] = system.failures(surfaces, asked, [outcomes(first), outcomes(second)])
-            assert found.pf == pytest.approx(0.5, abs=0.05)
+            # outcomes are told apart to half a step between stations
+            assert found.pf == pytest.approx(0.5, abs=0.06)
 
 
 def test_noise_of_a_response_makes_a_chance_of_what_was_certain() -> None:

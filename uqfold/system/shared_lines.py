@@ -321,7 +321,7 @@ class _Curves:
         return cls(float(stations[0]), float(stations[1] - stations[0]), values, slopes)
 
     def some(self, lines: slice) -> _Curves:
-        """Those of some lines."""
+        """Return the curves of some lines."""
         return replace(self, values=self.values[lines], slopes=self.slopes[lines])
 
     def at(self, x: FloatArray) -> FloatArray:
