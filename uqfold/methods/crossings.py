@@ -142,6 +142,8 @@ class Lines:
         beyond, left = self.law.above(begins), self.law.above(self.last)
         tail = begins < self.last
         share = rng.random((2, len(self)))
+        # those of all lines together lie evenly, each anywhere
+        share[0] = (rng.permutation(len(self)) + share[0]) / len(self)
         stretch = self.last - self.first
         by_law = self.law.place(left + (beyond - left) * share[1])
         other = np.where(tail, by_law, self.first + stretch * rng.random(len(self)))

@@ -14,12 +14,14 @@ from uqfold.methods.line_alone import OneLine
 from uqfold.methods.line_directions import DirectionSearch
 from uqfold.methods.line_laws import normal_law
 from uqfold.methods.line_neighbours import Traces
+from uqfold.methods.line_planes import PlanePoints, overlooked
 from uqfold.methods.line_sums import Round, Rounds, Sample, frequent
 from uqfold.methods.rare_event import NestedCriteria, RareEventMethod, Running
 from uqfold.methods.repetitions import FEWEST
 from uqfold.methods.result import Estimate
 from uqfold.methods.theory import Theory
 from uqfold.methods.theory_of_lines import LINE_SAMPLING
+from uqfold.methods.weighted_sums import HEAVY
 from uqfold.problems.criterion import Criterion
 from uqfold.typing import BoolArray, FloatArray, IntArray
 
@@ -34,6 +36,8 @@ CLOSELY = 3
 these meet failure more than once."""
 NOTICED = 0.02
 """A direction whose plane has less than this part of pf behind it need not be met."""
+AHEAD = 10.0
+"""Between lines half of the runs are where the probability beyond is so many times pf."""
 COST = 12.0
 """Runs of a line, as guessed before there are any."""
 
@@ -125,13 +129,21 @@ class LineSampling(RareEventMethod):
             return [estimate], LineDetails(asked.criteria[0], search.alphas[:0], nothing, nothing)
         bundles = Bundles(asked, rng, *search.weighty())
         rounds = Rounds(
-            asked, self.lines, self.target_cov, WITHOUT_A_BUDGET, heaviest=bundles.heaviest
-        )
+            asked, self.lines, self.target_cov, WITHOUT_A_BUDGET, heaviest=bundles.heaviest,
+            looking=True,
+        )  # fmt: skip
         regions = bundles.betas.size
         cost = COST * regions * asked.event.max_evals_per_sample
         yield from rounds.make(bundles.drawn, cost, regions * asked.event.dimension)
         pf = float(np.mean(rounds.together("high"))) if rounds.made else 0.0
-        estimate = yield from rounds.answer(bundles.missing(pf), rng)
+        doubts = bundles.missing(pf)
+        if rounds.made > 1 and pf > 0.0:
+            missed = yield from bundles.between(pf, rounds.looks)
+            rounds.hidden = missed / pf
+            if rounds.hidden > HEAVY:
+                part = f"{100.0 * rounds.hidden:.0f} % of pf"
+                doubts.append(f"{part} may lie in narrow regions between lines")
+        estimate = yield from rounds.answer(doubts, rng)
         return [estimate], LineDetails(
             asked.criteria[0], bundles.alphas, bundles.betas, rounds.together("high")
         )
@@ -177,8 +189,10 @@ class Bundles:
     _width: FloatArray = field(init=False)
     _hits: IntArray = field(init=False)
     _traces: dict[int, Traces] = field(default_factory=dict)
+    _planes: list[PlanePoints] = field(init=False)
 
     def __post_init__(self) -> None:
+        self._planes = [PlanePoints(alpha, self.rng) for alpha in self.alphas]
         self._expected = self.betas.copy()
         self._width = np.full(self.betas.size, FIRST_WIDTH)
         self._hits = np.zeros(self.betas.size, dtype=np.int64)
@@ -223,6 +237,24 @@ class Bundles:
             return []
         return [f"lines in {few.sum()} of {few.size} directions hardly meet failures"]
 
+    def between(self, pf: float, number: int) -> Running[float]:
+        """Look between the lines by single runs; return the probability that lines overlook.
+
+        Half of the runs are where `AHEAD` times pf lies beyond: a ridge that matters fails there.
+        One that fails, though none of the lines beside it does there, is followed as a line of its
+        own. The others are spread evenly over all places before.
+        """
+        from scipy.special import ndtri
+
+        near = min(float(-ndtri(min(0.5, AHEAD * pf))), self._reach())
+        each, total = number // self.betas.size, 0.0
+        if each < 2:
+            return 0.0
+        for k, traces in self._traces.items():
+            lines, start, _ = self._lines(k, each)
+            total += yield from overlooked(lines, start, traces, near, self.rng)
+        return total / each
+
     @property
     def heaviest(self) -> float:
         """The largest weight of a run that contradicts a line, in all directions together."""
@@ -235,8 +267,7 @@ class Bundles:
     def _lines(self, k: int, number: int) -> tuple[Lines, FloatArray, IntArray]:
         """Lines in one direction, where each becomes the direction's own, and their bundles."""
         alpha, beta = self.alphas[k], self.betas[k]
-        base = self.rng.standard_normal((number, alpha.size))
-        base -= np.outer(base @ alpha, alpha)
+        base = self._planes[k].points(number)
         start = np.full(number, -np.inf)
         for j in range(self.betas.size):
             if j != k:

@@ -38,6 +38,11 @@ DRIFT = 3.5
 """So many standard errors apart, earlier and later lines contradict one another."""
 RESERVE = 1.3
 """A round may cost so much more than the rounds before it."""
+KEPT, KEPT_ALIKE, ALIKE, LEFT = 0.1, 0.5, 0.05, 0.8
+"""Part of the runs that is kept to look between lines: less, and more from so small a relative
+error on; some are left to follow what is found."""
+MOST_LOOKS = 5_000
+"""Systems looked at between lines at most."""
 
 
 @dataclass(eq=False)
@@ -149,6 +154,8 @@ class Rounds:
         What they are called.
     hidden
         Relative error of what they may have stepped over.
+    looking
+        Whether a part of the runs is kept to look between the lines.
     done
         The rounds.
     short
@@ -163,8 +170,31 @@ class Rounds:
     heaviest: float = math.inf
     what: str = "line"
     hidden: float = 0.0
+    looking: bool = False
     done: list[Round] = field(default_factory=list)
     short: list[str] = field(default_factory=list)
+    _given: int = field(init=False)
+    _start: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._given, self._start = self.asked.left, self.asked.session.n_evals
+
+    @property
+    def looks(self) -> int:
+        """Systems to look at between the lines; without a budget half of what these took."""
+        most = LEFT * self.asked.left
+        if self.asked.session.max_evals is None:
+            most = min(most, 0.5 * (self.asked.session.n_evals - self._start))
+        return min(int(most / self.asked.event.max_evals_per_sample), MOST_LOOKS)
+
+    @property
+    def _kept(self) -> float:
+        """Runs kept for it: more, once the lines hardly differ."""
+        if not self.looking or self.asked.session.max_evals is None:
+            return 0.0
+        alike = self.made >= 2 * FEWEST
+        alike = alike and Repetitions(self.together("high"), self.least).most_cov <= ALIKE
+        return self._given * (KEPT_ALIKE if alike else KEPT)
 
     @property
     def made(self) -> int:
@@ -227,7 +257,7 @@ class Rounds:
         if most is not None:
             number = min(number, most - self.made)
         number = min(number, max(1, BLOCK_VALUES // values))
-        return max(0, min(number, int(self.asked.left / (RESERVE * cost))))
+        return max(0, min(number, int((self.asked.left - self._kept) / (RESERVE * cost))))
 
     def _precise(self) -> bool:
         """Whether the target, if there is one, is met for sure."""
