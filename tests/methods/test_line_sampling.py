@@ -18,6 +18,7 @@ from uqfold.methods import (
 )
 from uqfold.methods.directional_sampling import not_negative
 from uqfold.methods.line_laws import LineLaw, chi_law, normal_law
+from uqfold.methods.line_planes import PlanePoints
 from uqfold.problems import Problem
 from uqfold.problems.catalogue import entry
 from uqfold.problems.catalogue import problem as limit_state
@@ -358,3 +359,39 @@ def test_in_one_input_a_narrow_piece_is_found(centre: float, half: float) -> Non
         assert abs(found[0].pf - exact) < 4.0 * found[0].std_error < 0.05 * exact
     sides = [3.0 if centre < 0.0 else centre - half, abs(centre) - half][: 1 + (centre < 0.0)]
     assert found.details.sets[0].distances == pytest.approx(sorted(sides), abs=1e-3)
+
+
+@pytest.mark.parametrize(("at", "half", "seed"), [(-2.0, 0.05, 7), (2.0, 0.04, 15)])
+def test_a_slab_between_lines_is_no_confident_error(at: float, half: float, seed: int) -> None:
+    """Most of pf, and lines that run along it mostly miss it; it was `converged` without."""
+    angle = np.array([[math.cos(1.0), math.sin(1.0)], [-math.sin(1.0), math.cos(1.0)]])
+
+    def slab(x: FloatArray) -> FloatArray:
+        ahead, aside = angle @ x.T
+        return np.maximum(ahead - 2.8, half - np.abs(aside - at))
+
+    exact = 1.0 - ndtr(2.8) * (1.0 - ndtr(at + half) + ndtr(at - half))
+    row = LINES.estimate(standard_normal(slab), Criterion(0.0), max_evals=2_000, rng=seed)[0]
+    assert row.status == "doubtful" or abs(row.pf - exact) < 3.0 * row.std_error
+
+
+@pytest.mark.parametrize("seed", [3, 9])
+def test_runs_between_lines_keep_the_budget(seed: int) -> None:
+    """Those of one direction were spent by what another had found: the row was `failed`."""
+
+    def ridge(x: FloatArray) -> FloatArray:
+        return x[:, 0] + 2.0 * np.exp(-(((x[:, 1] - 2.0) / 0.1) ** 2))
+
+    for budget in (1_000, 2_000):
+        row = LINES.estimate(standard_normal(ridge), Criterion(3.2), max_evals=budget, rng=seed)[0]
+        assert (row.status, row.n_evals <= budget) == ("doubtful", True)
+
+
+def test_points_of_a_plane_lie_evenly_and_across() -> None:
+    """Any number of them at a time; a Sobol' sequence has one in each of 64 equal shares."""
+    normal_ = np.array([0.6, -0.8])
+    plane = PlanePoints(normal_, np.random.default_rng(1))
+    points = np.concatenate([plane.points(n) for n in (1, 10, 20, 33)])
+    assert points @ normal_ == pytest.approx(np.zeros(64), abs=1e-12)
+    shares = np.floor(64.0 * ndtr(points @ np.array([0.8, 0.6])))
+    assert sorted(shares) == list(range(64))

@@ -119,12 +119,13 @@ class Lines:
         return places
 
     def checked(
-        self, traces: Traces, rng: np.random.Generator
+        self, traces: Traces, rng: np.random.Generator, *, evenly: bool = False
     ) -> Running[tuple[FloatArray, FloatArray, Traces]]:
         """Contradict the pieces by two runs on each line, at places drawn from its stretch.
 
         One place is drawn evenly, the other by the law from where failure begins on the line, or on
-        any line; they count by the sum of both densities.
+        any line; they count by the sum of both densities. `evenly`: the first places of all lines
+        together lie evenly, each anywhere by itself.
 
         Returns
         -------
@@ -142,8 +143,8 @@ class Lines:
         beyond, left = self.law.above(begins), self.law.above(self.last)
         tail = begins < self.last
         share = rng.random((2, len(self)))
-        # those of all lines together lie evenly, each anywhere
-        share[0] = (rng.permutation(len(self)) + share[0]) / len(self)
+        if evenly:
+            share[0] = (rng.permutation(len(self)) + share[0]) / len(self)
         stretch = self.last - self.first
         by_law = self.law.place(left + (beyond - left) * share[1])
         other = np.where(tail, by_law, self.first + stretch * rng.random(len(self)))

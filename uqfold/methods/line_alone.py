@@ -68,7 +68,7 @@ class OneLine:
         line, place = np.divmod(np.arange(number * places.line.size), places.line.size)
         places = RunPlaces(line, places.at[place], places.state[place], places.height[place])
         traces = Traces(np.zeros((number, 1)), segments, places)
-        low, high, taught = yield from lines.checked(traces, self.rng)
+        low, high, taught = yield from lines.checked(traces, self.rng, evenly=True)
         if high.any():
             yield from self._learn(taught.places)
         both = mass[1] + high

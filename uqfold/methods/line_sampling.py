@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from uqfold.checks import keep, or_none, real, whole
+from uqfold.evaluation import TimeLimitError
 from uqfold.methods.crossings import Lines
 from uqfold.methods.line_alone import OneLine
 from uqfold.methods.line_directions import DirectionSearch
@@ -138,8 +139,12 @@ class LineSampling(RareEventMethod):
         pf = float(np.mean(rounds.together("high"))) if rounds.made else 0.0
         doubts = bundles.missing(pf)
         if rounds.made > 1 and pf > 0.0:
-            missed = yield from bundles.between(pf, rounds.looks)
-            rounds.hidden = missed / pf
+            number = rounds.looks
+            try:
+                missed = yield from bundles.between(pf, number)
+                rounds.hidden, rounds.looked = missed / pf, number // 2
+            except TimeLimitError as error:
+                rounds.short.append(str(error))
             if rounds.hidden > HEAVY:
                 part = f"{100.0 * rounds.hidden:.0f} % of pf"
                 doubts.append(f"{part} may lie in narrow regions between lines")
@@ -213,7 +218,7 @@ class Bundles:
                 inner = np.hstack([inner, lines.first[:, None] + shares * reach / CLOSELY])
             traces = yield from lines.followed(inner, earlier=self._traces.get(k))
             segments = traces.segments
-            more_low, more_high, taught = yield from lines.checked(traces, self.rng)
+            more_low, more_high, taught = yield from lines.checked(traces, self.rng, evenly=True)
             self._traces[k] = taught.joined(self._traces.get(k)).latest()
             mass_low, mass_high = lines.masses(segments, start, np.full(len(lines), np.inf))
             high[of] += mass_high + more_high
@@ -247,13 +252,16 @@ class Bundles:
         from scipy.special import ndtri
 
         near = min(float(-ndtri(min(0.5, AHEAD * pf))), self._reach())
-        each, total = number // self.betas.size, 0.0
-        if each < 2:
-            return 0.0
+        total = 0.0
         for k, traces in self._traces.items():
-            lines, start, _ = self._lines(k, each)
-            total += yield from overlooked(lines, start, traces, near, self.rng)
-        return total / each
+            # what others have followed is spent
+            most = self.asked.left // self.asked.event.max_evals_per_sample
+            each = min(number // self.betas.size, most)
+            if each > 1:
+                lines, start, _ = self._lines(k, each)
+                found = yield from overlooked(lines, start, traces, near, self.rng)
+                total += found / each
+        return total
 
     @property
     def heaviest(self) -> float:

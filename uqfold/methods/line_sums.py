@@ -156,6 +156,8 @@ class Rounds:
         Relative error of what they may have stepped over.
     looking
         Whether a part of the runs is kept to look between the lines.
+    looked
+        Places of further lines that were looked at, and explained.
     done
         The rounds.
     short
@@ -171,6 +173,7 @@ class Rounds:
     what: str = "line"
     hidden: float = 0.0
     looking: bool = False
+    looked: int = 0
     done: list[Round] = field(default_factory=list)
     short: list[str] = field(default_factory=list)
     _given: int = field(init=False)
@@ -204,7 +207,7 @@ class Rounds:
     @property
     def least(self) -> float:
         """Relative error at least: what n lines have not met may be met by one in n."""
-        return math.hypot(ROUNDING, 1.0 / (self.made * self.lines), self.hidden)
+        return math.hypot(ROUNDING, 1.0 / (self.made * self.lines + self.looked), self.hidden)
 
     def together(self, name: str) -> FloatArray:
         """Return a column (R,) of all rounds."""
