@@ -190,8 +190,8 @@ class DesignPointSearch:
         known = [search.best.u, *(one.u for one, _ in search.others)]
         apart = min(math.dist(other.best.u, u) for u in known)
         if other.error <= self.tolerance and apart > APART:
-            look = Surroundings(response, other).second_look()
-            search.others.append((other.best, look.second_order))
+            factor = Surroundings(response, other).second_order()
+            search.others.append((other.best, factor))
 
     def _walk(self, response: StandardSpaceResponse, search: Search, point: FloatArray) -> None:
         """Try algorithm after algorithm from `point` until one arrives."""

@@ -23,7 +23,7 @@ NODES, LAST = 400, 13.0
 density."""
 STRAIGHT = 0.5
 """A secant is believed if the response there is so much nearer to T."""
-DEEP = 100
+DEEP = 60
 """Points behind the limit state that are run."""
 ROOM = 0.9
 """How near the integral may come to where a curvature makes it infinite."""
