@@ -373,6 +373,10 @@ def test_units_without_inputs_of_their_own_are_refused_where_nodes_stand_still()
         assert "fail or work for certain" in reason
     for name in ("kriging", "pce"):
         assert build(name).supports(problem, Criterion(1.0, tau=1.0)) is not None
+    units = [Unit(), Unit(lambda x: -x[:, 0])]
+    problem = Problem(lambda x: x[:, 0], shared={"V": normal(0, 1)}, units=units)
+    for name in ("ffni", "ffni-spa", "ffni-pearson"):
+        assert build(name).supports(problem, Criterion(1.0)) is not None
 
 
 def test_a_budget_is_divided_among_kinds() -> None:

@@ -159,3 +159,15 @@ def test_noise_of_a_response_makes_a_chance_of_what_was_certain() -> None:
         return float(ndtr((v - 2.0) / 0.5) * ndtr((0.6 * v - 2.0) / math.hypot(0.8, 0.3)))
 
     assert found.pf == pytest.approx(over_v(given, [2.0]), rel=1e-3)
+
+
+def test_no_unit_has_variables_of_its_own() -> None:
+    """Far out on both sides of one variable a unit fails that another one hides by its size."""
+    surfaces = [lambda u: u[:, 0], lambda u: -u[:, 0], lambda u: u[:, 1] ** 2 - 3.0]
+    asked = [Criterion(4.0)]
+    system = system_of(surfaces, [0, 0, 0], 2, Series(), asked)
+    responses = system.responses(surfaces)
+    [found] = system.failures_given(responses, asked)
+    works = (1.0 - 2.0 * ndtr(-4.0)) * (1.0 - 2.0 * ndtr(-math.sqrt(7.0)))
+    assert found.pf == pytest.approx(1.0 - works, rel=5e-4)
+    assert system.integration_errors(responses, asked) < 1e-3

@@ -30,7 +30,7 @@ from uqfold.methods.active_check import (
 from uqfold.methods.active_question import Question
 from uqfold.methods.active_stopping import Stability
 from uqfold.methods.active_view import View
-from uqfold.methods.arguments import without_own_inputs
+from uqfold.methods.arguments import certain_under_tau
 from uqfold.methods.base import UnitsMayDiffer
 from uqfold.methods.design_runs import (
     DesignRuns,
@@ -175,12 +175,15 @@ class ActiveKriging(SequentialMethod):
         """Refuse more training runs than learning can bear, and units that have no surface."""
         if self.runs is not None and self.runs > MAX_RUNS:
             return f"runs = {self.runs}: {self.name} takes at most {MAX_RUNS} training runs"
-        why = super().supports(problem, criterion) or without_own_inputs(problem, criterion)
+        why = super().supports(problem, criterion) or certain_under_tau(problem, criterion)
         kinds = problem.kinds
-        if why is None and len(kinds.models) > 1 and kinds.n_individual == 0:
+        if why is None and len(kinds.models) > 1 and min(i.n_individual for i in kinds.inputs) == 0:
             return (
-                f"{self.name} learns of several kinds of units from what is their own, and these "
+                f"{self.name} learns of several kinds of units from what is their own, and some "
                 "share all of their inputs: let one model return what the structure makes of them"
+                if kinds.n_individual == 0
+                else f"{self.name} learns of several kinds of units from what is their own, and "
+                "some share all of their inputs, others do not: ask 'kriging'"
             )
         return why
 

@@ -52,8 +52,7 @@ def certain_under_tau(problem: Problem, criterion: Criterion) -> str | None:
 
 def without_own_inputs(problem: Problem, criterion: Criterion) -> str | None:
     """Return why few nodes of the shared inputs tell nothing of units that differ, or None."""
-    kinds, counts = problem.kinds, [one.n_individual for one in problem.kinds.inputs]
-    if not kinds.equal and any(counts) and not all(counts):
+    if len(problem.kinds.models) > 1 and not all(one.n_individual for one in problem.kinds.inputs):
         return (
             "some units share all of their inputs: given these they fail or work for certain, and "
             "a sum over few nodes steps over where that changes"

@@ -1,4 +1,4 @@
-"""Where surfaces are evaluated if some units share all their variables, and others do not.
+"""Where surfaces of several kinds are evaluated if some units share all of their variables.
 
 Lines in the space of the shared variables (`uqfold.system.shared_lines`) cross the limits of all
 units that have no others. Over one shared variable there is one line; over two, they lie in equal
@@ -28,6 +28,8 @@ from uqfold.typing import FloatArray
 _ALONE, _EACH, _COARSE = 65, 33, 17
 # Lines over two shared variables, spread over more of them, and of both that tell changes.
 _IN_STEPS, _SPREAD, _FEW_IN_STEPS, _FEW_SPREAD = 129, 512, 17, 32
+# The same where no unit has variables of its own, so that each station is a single point.
+_IN_STEPS_ALONE, _SPREAD_ALONE = 513, 2048
 # A rough look: stations, places of the other variables, criteria.
 _LOOKED, _OTHERS, _CRITERIA = 9, 9, 3
 # Directions tried, beside those that the surfaces suggest; and how many of these are combined.
@@ -43,7 +45,7 @@ def laid_out_on_shared_lines(
     asked: Sequence[FloatArray],
     max_points: int,
 ) -> SurfaceSystem:
-    """Lay out the points for surfaces some of which have shared variables alone.
+    """Lay out the points for surfaces some of which, or all, have shared variables alone.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def laid_out_on_shared_lines(
         Most points at which the surfaces are to be evaluated for an answer.
     """
     axes = _axes(surfaces, dimensions, n_shared)
-    share = max_points // sum(size > n_shared for size in dimensions)
+    share = max_points // max(1, sum(size > n_shared for size in dimensions))
     plans = [
         plan_surface(
             surface, size, n_shared, compared=Compared(own), max_points=share, shared=axes
@@ -120,11 +122,13 @@ def _lines(
 ) -> tuple[SharedLines, SharedLines]:
     """Lines for answers, and fewer for changes of answers."""
     across = axes.shape[0] - 1
+    alone = max(dimensions) == axes.shape[0]
     if across == 0:
         only = np.zeros((1, 0)), np.ones(1)
         return SharedLines.at(axes, *only, _ALONE), SharedLines.at(axes, *only, _EACH)
     if across == 1:
-        many, few = (ladder_rule(LADDER.index(size)) for size in (_IN_STEPS, _FEW_IN_STEPS))
+        in_steps = _IN_STEPS_ALONE if alone else _IN_STEPS
+        many, few = (ladder_rule(LADDER.index(size)) for size in (in_steps, _FEW_IN_STEPS))
         return (
             SharedLines.at(axes, many[0][:, None], many[1], _EACH),
             SharedLines.at(axes, few[0][:, None], few[1], _COARSE),
@@ -136,7 +140,7 @@ def _lines(
         weights = np.exp(-places.log_density(starts)) / size
         return SharedLines.at(axes, starts, weights, stations, sampled=True)
 
-    return spread(_SPREAD, _EACH), spread(_FEW_SPREAD, _COARSE)
+    return spread(_SPREAD_ALONE if alone else _SPREAD, _EACH), spread(_FEW_SPREAD, _COARSE)
 
 
 def _places(

@@ -85,7 +85,7 @@ class SurfaceSystem:
         The units and their structure.
     together
         Whether the shared inputs, or a single unit in one mission, tell the response of the whole
-        system. Then one rule serves what the structure makes of all surfaces.
+        system of units of one kind.
     """
 
     rules: tuple[SurfaceRule, ...]
@@ -324,10 +324,6 @@ class SurfaceSystem:
         if outcomes is not None:
             kinds = [outcomes] if callable(outcomes) else list(outcomes)
         std = [noise] * len(each) if isinstance(noise, float | int) else list(noise)
-        if len(each) > len(rules):
-            if outcomes is not None:
-                raise ValueError("where all is shared, responses of several kinds must be finite")
-            each, kinds, std = [of_system(each, self.units)], [None], [max(std)]
         return zip(rules, each, kinds, std, strict=True)
 
     def _answer(
@@ -339,7 +335,7 @@ class SurfaceSystem:
         if not self.together:
             return system_failures_of_kinds(given, rule.weights, self.units, criteria)
         # tau = 0 still refuses infinite responses, which have no difference
-        shift = self.units.shift if self.units.n_kinds == 1 else 0.0
+        shift = self.units.shift
         alone = [Criterion(c.threshold - shift, None if c.tau is None else 0.0) for c in criteria]
         found = system_failures(given[0], rule.weights, 1, alone)
         return [_if_flown(one, c) for one, c in zip(found, criteria, strict=True)]
@@ -353,18 +349,6 @@ def conditional(responses: OfKinds) -> list[Sequence[ConditionalResponse]]:
 def _on_lines(responses: OfKinds) -> list[OnLines]:
     """Return those of each kind at the stations of shared lines."""
     return [one for one in responses if isinstance(one, OnLines)]
-
-
-def of_system(surfaces: Sequence[Surface], units: SystemUnits) -> Surface:
-    """Return the response of a system, as a surface, where units share all their inputs."""
-    assert units.of_sorts is not None
-    kinds = units.of_kinds[units.of_sorts]
-
-    def surface(u: FloatArray) -> FloatArray:
-        every = np.stack([one(u) for one in surfaces], axis=-1)
-        return units.response(units.shifted(every[..., kinds]))
-
-    return surface
 
 
 def reliability_index(found: SystemProbability) -> float:

@@ -19,7 +19,7 @@ from uqfold.system.sampled_rule import SAMPLED_STATIONS
 from uqfold.system.shared_lines_layout import laid_out_on_shared_lines
 from uqfold.system.shared_nodes import with_shared_nodes
 from uqfold.system.structure import SystemUnits
-from uqfold.system.surface import Surfaces, SurfaceSystem, of_system, reliability_indices
+from uqfold.system.surface import Surfaces, SurfaceSystem, reliability_indices
 from uqfold.system.surface_plan import SurfacePlan, plans_of_kinds, rules_of_kinds
 from uqfold.system.surface_rule import MAX_POINTS, Surface, SurfaceRule
 from uqfold.typing import FloatArray
@@ -90,10 +90,7 @@ def laid_out(
     most = units.count * max((one.max_missions for one in criteria), default=1)
     max_points = min(max_points if trusted else max_points // _DOUBTED, _MOST_NUMBERS // max(sizes))
     asked = [_thresholds(units, criteria, kind) for kind in range(len(each))]
-    if together and len(each) > 1:
-        each, sizes = [of_system(each, units)], [n_shared]
-        asked = [_thresholds(SystemUnits(1), criteria, 0)]
-    if n_shared == min(sizes) < max(sizes):
+    if len(each) > 1 and n_shared == min(sizes):
         return laid_out_on_shared_lines(each, sizes, n_shared, units, criteria, asked, max_points)
     # with a shared input or tau, responses matter that lie between the thresholds and the body
     alone = together and all(one.tau is None for one in criteria)
