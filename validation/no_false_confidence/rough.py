@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import special, stats
+from scipy import optimize, special, stats
 
 from validation.no_false_confidence import truths
 from validation.no_false_confidence.hard import ROOT_2, Array, Hard, given
@@ -176,6 +176,47 @@ def ridge(width: float) -> Hard:
     )  # fmt: skip
 
 
+def slanted_ridge() -> Hard:
+    """The ridge 0.1 wide, along no input."""
+    ahead, aside = np.ones(3) / math.sqrt(3.0), np.array([1.0, -1.0, 0.0]) / ROOT_2
+
+    def height(u: Array) -> Array:
+        return np.asarray(2.0 * np.exp(-(((u - 2.0) / 0.1) ** 2)))
+
+    return Hard(
+        "ridge 0.1 wide, slanted", "sharp", 3, lambda x: x @ ahead + height(x @ aside), 3.2,
+        lambda: average(lambda u: special.ndtr(height(u) - 3.2), breaks=[1.5, 2.0, 2.5]),
+    )  # fmt: skip
+
+
+def bump_before() -> Hard:
+    """A bump between the origin and the design point, to which slopes lead past it."""
+    level = 3.5333
+
+    def height(a: Array) -> Array:
+        return np.asarray(a + 1.7 * np.exp(-((1.7 * (a - 1.82)) ** 2)))
+
+    def exact() -> float:
+        begins, ends, again = (
+            optimize.brentq(lambda a: float(height(a)) - level, *between)
+            for between in ((1.5, 1.99), (1.99, 2.5), (2.5, 4.0))
+        )
+        return tail(begins) - tail(ends) + tail(again)
+
+    return Hard(
+        "a bump before the limit", "hidden region", 5, lambda x: height(x[:, 1]), level, exact
+    )  # fmt: skip
+
+
+def gap_beyond() -> Hard:
+    """A narrow gap among the failures, straight behind where they begin."""
+    return Hard(
+        "a gap of 0.2 beyond the limit", "thin band", 2,
+        lambda x: np.where(np.abs(x[:, 0] - 3.2) < 0.1, -1.0, x[:, 0]), 3.0,
+        lambda: tail(3.0) - tail(3.1) + tail(3.3),
+    )  # fmt: skip
+
+
 def slab(half: float, distance: float, level: float) -> Hard:
     """A half-space, and a thin slab of another input."""
     share = tail(distance - half) - tail(distance + half)
@@ -189,10 +230,7 @@ def slab(half: float, distance: float, level: float) -> Hard:
 THIN = [
     ball(0.5, 2.5, 3.2, 3), ball(1.2, 3.0, 4.0, 6), ball(0.3, 1.5, 3.0, 2), ring(3.5, 0.1),
     ridge(0.1), ridge(0.5), slab(0.05, 2.5, 3.0), slab(0.05, 4.0, 3.5),
-    given(
-        "wedge of -inf", "infinite runs", 4.0, lambda u: np.where(u < 2.0, u, -np.inf), [1.0],
-        breaks=[2.0],
-    ),
+    slanted_ridge(), bump_before(), gap_beyond(),
     given("a sine of 8 u", "sharp", 3.2, lambda u: np.sin(8.0 * u), [1.0]),
     Hard(
         "stairs that stop at the limit", "steps", 2,
