@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 import uqfold
-from uqfold.methods import Kriging, PolynomialChaos, response_surface, surface_errors
+from uqfold.methods import Kriging, PolynomialChaos, surface_errors, surface_verdict
 from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.fitted_kind import FittedKind, HeldOut
 from uqfold.methods.result import CriterionResult
@@ -102,7 +102,8 @@ def test_a_surface_that_predicts_badly_states_no_interval() -> None:
 def test_runs_added_until_a_step_looks_predicted_do_not_make_it_so() -> None:
     """Kriging with 200 and 300 runs called steps converged that it had doubted with 100."""
     limits = [
-        response_surface._poor(DesignRuns(np.zeros((n, 1)), np.zeros(n), n)) for n in (50, 100, 300)
+        surface_verdict.poor_share(DesignRuns(np.zeros((n, 1)), np.zeros(n), n))
+        for n in (50, 100, 300)
     ]
     assert limits == pytest.approx([0.1, 0.1, 0.1 / 3.0])
 

@@ -16,33 +16,29 @@ from functools import lru_cache, partial
 import numpy as np
 
 from uqfold.methods.criteria_blocks import estimates_by_blocks
-from uqfold.methods.design_runs import DesignRuns
 from uqfold.methods.few_taus import by_few_taus
 from uqfold.methods.fitted_kind import DRAWS, PARTS, FittedKind, HeldOut
 from uqfold.methods.result import NO_ANSWER, Estimate
 from uqfold.methods.surface_errors import lean, overconfidence, step
+from uqfold.methods.surface_verdict import (
+    change_of_pf,
+    doubts_about_surface,
+    estimates_of,
+    missed_share,
+    poor_share,
+    scatter_of_unit,
+)
 from uqfold.methods.task import Task
-from uqfold.moments.normal import NormalDistribution
-from uqfold.moments.tabulated import TabulatedDistribution
 from uqfold.problems.criterion import Criterion
-from uqfold.surrogates.cross_validation import LeaveOneOut
 from uqfold.system.conditional import SystemProbability
-from uqfold.system.conditional_response import ConditionalResponse
 from uqfold.system.structure import SystemUnits
 from uqfold.system.surface import SurfaceSystem, conditional, reliability_indices
 from uqfold.system.surface_layout import laid_out, laid_out_apart
 from uqfold.system.surface_rule import MAX_POINTS, Surface
 from uqfold.typing import FloatArray
 
-CI_KIND = "95 % surrogate"
-
-_T95 = 2.093
-"""Student's quantile for a spread estimated from 20 draws."""
-_POOR_PREDICTION, _FEW_RUNS = 0.1, 100
 # Scatter of units, in errors of the surface, from which it is not an artefact of the fit.
 _CLEAR = 10.0
-# Last digit of the responses, in their spread, from which rounding is more than a nuisance.
-_COARSE_DIGITS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +160,7 @@ def _answered(
     dimensions = [inputs.dimension for inputs in problem.kinds.inputs]
     doubts = []
     for kind, one in enumerate(fitted):
-        own = _doubts(one.runs, one.validated if beta_std is None else None)
+        own = doubts_about_surface(one.runs, one.validated if beta_std is None else None)
         if one.validated.contradicts(stated_noise):
             own.append(
                 f"noise = {stated_noise:g} contradicts the fit: runs left out are predicted to "
@@ -204,7 +200,9 @@ def _answered(
                 getattr(errors, name)[rows] = getattr(parts_of_error, name)
         estimates = [found[row] for row in everything]
         missed = [
-            _missed(one.validated, one.runs) / _poor(one.runs) for one in fitted if beta_std is None
+            missed_share(one.validated, one.runs) / poor_share(one.runs)
+            for one in fitted
+            if beta_std is None
         ]
         targets = [_smaller(one) * target_cov for one in estimates]
         short = [errors.shortfall(row, target) for row, target in enumerate(targets)]
@@ -238,7 +236,7 @@ def _answers_of(
     apart = [] if system.together else zip(fitted, conditional(responses.whole), strict=False)
     for one, whole in apart:
         rms = one.validated.rms
-        if _scatter(whole, system.weights) <= _CLEAR * rms:
+        if scatter_of_unit(whole, system.weights) <= _CLEAR * rms:
             blur = max(blur, rms)
     unresolved = f"tau lies below what the surface can tell of one unit, about {blur:.2g}"
     drawn = system.coarse_responses(means, others, outcomes, noise)
@@ -313,11 +311,11 @@ def _answers_of(
                 criteria, lambda some: system.integration_errors(responses, some)[None]
             )
             name = "sampling" if responses.parts else "integration"
-            density = _density(reliability_indices(found))
+            density = change_of_pf(reliability_indices(found))
             errors.training[list(rows)] = density * spread
             getattr(errors, name)[list(rows)] = density * rest
             runs = [one.runs for one in fitted]
-            return _estimates(found, spread, rest, name, criteria, own, runs, target_cov)
+            return estimates_of(found, spread, rest, name, criteria, own, runs, target_cov)
 
         return estimates_by_blocks(count, answers), errors
 
@@ -355,137 +353,3 @@ def _smaller(estimate: Estimate) -> float:
         return 0.0
     rest = 1.0 - estimate.pf if estimate.reliability is None else estimate.reliability
     return min(estimate.pf, rest)
-
-
-def _missed(validated: LeaveOneOut, runs: DesignRuns) -> float:
-    """By how much runs left out are missed, as a share of the scatter of responses."""
-    finite = runs.y[runs.finite]
-    if np.ptp(finite) == 0.0:
-        return 0.0
-    scatter = float(finite.std())
-    return validated.rms / scatter if scatter > 0.0 else math.inf
-
-
-def _poor(runs: DesignRuns) -> float:
-    """Share of the scatter from which runs left out are predicted badly.
-
-    The more runs, the less: what a smooth surface misses falls much faster than this, what it
-    misses of a step more slowly, so that runs added until it looks right do not make it so.
-    """
-    return _POOR_PREDICTION * min(1.0, _FEW_RUNS / runs.y.size)
-
-
-def _density(beta: FloatArray) -> FloatArray:
-    """Change of pf for a small one of the reliability index."""
-    return np.asarray(np.exp(-0.5 * beta**2) / math.sqrt(2.0 * math.pi))
-
-
-def _estimates(
-    found: Sequence[SystemProbability],
-    training: FloatArray,
-    rest: FloatArray,
-    rest_name: str,
-    criteria: Sequence[Criterion],
-    doubts: list[list[str]],
-    runs: Sequence[DesignRuns],
-    target_cov: float,
-) -> list[Estimate]:
-    from scipy.special import ndtr
-
-    beta, spread = reliability_indices(found), np.hypot(training, rest)
-    std_error = _density(beta) * spread
-    mostly = np.where(training >= rest, "training", rest_name).tolist()
-    low, high = (ndtr(-beta + sign * _T95 * spread) for sign in (-1.0, 1.0))
-    numbers = zip(std_error.tolist(), low.tolist(), high.tolist(), strict=True)
-    return [
-        _estimate(one, *errors, criterion, own, part, runs, target_cov)
-        for one, errors, criterion, own, part in zip(
-            found, numbers, criteria, doubts, mostly, strict=True
-        )
-    ]
-
-
-def _estimate(
-    found: SystemProbability,
-    std_error: float,
-    low: float,
-    high: float,
-    criterion: Criterion,
-    doubts: list[str],
-    mostly: str,
-    runs: Sequence[DesignRuns],
-    target_cov: float,
-) -> Estimate:
-    certain = found.pf in (0.0, 1.0)
-    # what the surface says about its own error says nothing about what it does not describe
-    if certain:
-        doubts = [*doubts, f"pf = {found.pf:g} is the surface's: no run says what lies beyond it"]
-    unknown = bool(doubts) or not all(one.complete for one in runs)
-    if not (certain or unknown) and std_error > target_cov * min(found.pf, found.reliability):
-        doubts = [
-            *doubts,
-            f"the stated error, mostly of {mostly}, is above {100.0 * target_cov:.3g}% of pf or of "
-            "the reliability",
-        ]
-    if unknown:
-        std_error = low = high = math.nan
-        certain = False
-    made, asked = sum(one.y.size for one in runs), sum(one.asked for one in runs)
-    stopped = runs[0].stopped
-    exhausted = made < asked or bool(stopped)
-    if exhausted:
-        note = [f"{made} of the {asked} runs that the settings ask for"]
-        note = [*note[made == asked :], *([stopped] if stopped else [])]
-    failed = any(one.failed for one in runs)
-    return Estimate(
-        pf=found.pf,
-        reliability=found.reliability,
-        std_error=0.0 if certain else std_error,
-        ci_low=found.pf if certain else min(low, found.pf),
-        ci_high=found.pf if certain else max(high, found.pf),
-        ci_kind="" if unknown else CI_KIND,
-        pf_low=0.0 if failed else found.pf,
-        pf_high=1.0 if failed else found.pf,
-        error_kind="none" if unknown else "surrogate",
-        status="doubtful" if doubts else "budget_exhausted" if exhausted else "converged",
-        message="; ".join([*doubts, *(note if exhausted else [])]),
-    )
-
-
-def _scatter(responses: Sequence[ConditionalResponse], weights: FloatArray) -> float:
-    """Typical standard deviation of one unit's response given the shared inputs."""
-    scatter = []
-    for response in responses:
-        inside = response.distribution
-        if isinstance(inside, TabulatedDistribution):
-            scatter.append(float(np.ptp(inside.levels) / np.ptp(inside.scores)))
-        else:
-            scatter.append(inside.std if isinstance(inside, NormalDistribution) else 0.0)
-    return float(weights @ np.array(scatter) / weights.sum())
-
-
-def _doubts(runs: DesignRuns, validated: LeaveOneOut | None) -> list[str]:
-    """Why no answer of this surface can be trusted."""
-    doubts = []
-    infinite = int(np.isinf(runs.y).sum())
-    if infinite:
-        doubts.append(
-            f"{infinite} of {runs.y.size} responses are infinite; where the model gives such "
-            "responses is known only from the nearest run"
-        )
-    if runs.failed:
-        doubts.append("what the failed runs would have been may change the surface everywhere")
-    scatter = float(runs.y[runs.finite].std())
-    last_digit = float(np.spacing(np.abs(runs.y[runs.finite]).max()))
-    if last_digit > _COARSE_DIGITS * scatter > 0.0:
-        doubts.append(
-            f"responses differ by {scatter:.2g}, and their last digit stands for {last_digit:.2g}: "
-            "let the model give their difference from a constant"
-        )
-    if np.ptp(runs.y[runs.finite]) == 0.0:
-        doubts.append("all runs gave the same response: where another one begins is not known")
-    elif validated is not None and (share := _missed(validated, runs)) > _poor(runs):
-        doubts.append(
-            f"the surface predicts runs left out only to {share:.0%} of the responses' spread"
-        )
-    return doubts
