@@ -31,6 +31,8 @@ RUNS_OF = {
         ("mc", "conditional-mc", "openturns-mc", "subset-simulation", "importance-sampling"),
         SIMULATED,
     ),
+    **dict.fromkeys(("openturns-form", "ffni", "ffni-spa", "ffni-pearson"), 500),
+    "sorm": 1_000,
     "directional-sampling": 5_000,
     "line-sampling": 2_000,
     "auto": 3_000,
