@@ -34,6 +34,13 @@ def of(dimension: int) -> uqfold.Problem:
     return uqfold.Problem(plane, individual=inputs, low_fidelity=plane)
 
 
+def some_share_all() -> uqfold.Problem:
+    """Return a system of which one unit has an input of its own, and the other has none."""
+    shared, own = {"v": normal(0.0, 1.0)}, {"u": normal(0.0, 1.0)}
+    units = [uqfold.Unit(), uqfold.Unit(model=lambda x: x[:, 0], individual=[], low_fidelity=plane)]
+    return uqfold.Problem(plane, shared=shared, individual=own, units=units, low_fidelity=plane)
+
+
 def questions() -> Iterator[tuple[str, uqfold.Problem, uqfold.Criterion]]:
     """Yield what is asked of every method, and the column that it fills."""
     three, plain = replace(of(2), units=3), uqfold.Criterion(2.0)
@@ -41,7 +48,10 @@ def questions() -> Iterator[tuple[str, uqfold.Problem, uqfold.Criterion]]:
     yield "tau", three, uqfold.Criterion(2.0, tau=1.0)
     yield "missions", three, uqfold.Criterion(2.0, missions=uqfold.Binomial(3, 0.5))
     yield "structures", replace(three, structure=uqfold.KOutOfN(2)), plain
-    yield "units that differ", replace(of(2), units=units), plain
+    differing = replace(of(2), units=units)
+    yield "units that differ", differing, plain
+    yield "these under tau", differing, uqfold.Criterion(2.0, tau=1.0)
+    yield "some share all inputs", some_share_all(), plain
     inputs = {"load": normal(0.0, 1.0), "open": bernoulli(0.1)}
     yield "discrete inputs", uqfold.Problem(plane, individual=inputs, low_fidelity=plane), plain
 
