@@ -6,10 +6,11 @@ LINE_SAMPLING = Theory(
     summary=(
         "Line sampling on the whole system, in standard-normal space. Gradients, and points far "
         "out in all directions, lead to the regions of failure, each with a direction of its own. "
-        "Lines run in these directions through random points; along each, the places where the "
-        "system passes from working to failing are found by a few runs, and what lies beyond them "
-        "has a normal probability. Two more runs at random places of each line keep the estimate "
-        "without bias. The stated error is that of the spread of lines."
+        "Lines run in these directions through points that lie evenly; along each, the places "
+        "where the system passes from working to failing are found by a few runs, and what lies "
+        "beyond them has a normal probability. Two more runs at random places of each line keep "
+        "the estimate without bias. Single runs between the lines tell what all of them may "
+        "overlook. The stated error is that of the spread of lines, and of this."
     ),
     equations=(
         Equation(

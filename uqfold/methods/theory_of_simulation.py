@@ -273,8 +273,8 @@ SORM = Theory(
         "them a paraboloid with the main curvatures of the limit state takes the place of the "
         "tangent plane; the probability behind it is an integral, which well-known formulas "
         "approximate. Several design points are joined by the multinormal probability behind any "
-        "of their planes. The stated error adds up what formulas, longer distances, drawn points "
-        "and other rays show of what is left out."
+        "of their planes. The stated error adds up what formulas, longer distances, other rays, "
+        "and points on the tangent plane, before it and all around show of what is left out."
     ),
     equations=(
         Equation(
