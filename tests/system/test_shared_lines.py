@@ -89,7 +89,7 @@ def test_one_shared_variable(
     assert (system.integration_errors(responses, asked) < 1e-3).all()
 
 
-@pytest.mark.parametrize("n_shared", [2, 3, 4])
+@pytest.mark.parametrize("n_shared", [2, 3, pytest.param(4, marks=pytest.mark.thorough)])
 def test_several_shared_variables(n_shared: int) -> None:
     """Units that the first and the second decide, one that has some of the last: a product."""
     surfaces = [
