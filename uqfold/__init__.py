@@ -7,7 +7,7 @@ question; one table, with costs and error bars, says who was right.
 >>> problem = uqfold.problems.series()
 >>> result = uqfold.methods.FFNISaddlepoint().estimate(problem, uqfold.criteria(threshold=2.0))
 >>> result.n_evals, result[0].status
-(95, 'converged')
+(205, 'converged')
 """
 
 from uqfold.lazy import attach_stub

@@ -167,8 +167,8 @@ def compare(
     ... )
     >>> frame[["label", "n_evals", "status"]]
               label  n_evals     status
-    0      ffni-spa       95  converged
-    1  ffni-pearson       95  converged
+    0      ffni-spa      205  converged
+    1  ffni-pearson      205  converged
     """
     *_, frame = run_comparison(
         problem,

@@ -87,8 +87,8 @@ class Store:
     ...     with Store(path) as store:
     ...         result = method.estimate(problem, evaluator=uqfold.Evaluator(store=store))
     ...     print(result.n_evals, result[0].n_reused)
-    101 0
-    101 101
+    241 0
+    241 241
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
