@@ -234,6 +234,25 @@ def test_a_wide_simulation_does_not_replace_a_surface_within_its_interval() -> N
     assert best_of(BY_SURFACE, narrow).pf == 4e-2
 
 
+@pytest.mark.parametrize(
+    ("found", "status"), [(1e-9, "converged"), (5.3e-10, "unchecked"), (1.5e-9, "unchecked")]
+)
+def test_a_check_in_doubt_that_differs_from_a_surface_has_not_confirmed_it(
+    found: float, status: str
+) -> None:
+    """It said 5.3e-10 +- 0.9e-10, doubtful, of 1e-9, and the row read as checked."""
+    surface = Estimate(
+        1e-9, std_error=1e-12, ci_low=0.998e-9, ci_high=1.002e-9, error_kind="surrogate"
+    )  # fmt: skip
+    check = Estimate(
+        found, std_error=8.5e-11, ci_low=found - 1.7e-10, ci_high=found + 1.7e-10,
+        error_kind="sampling", status="doubtful", message="8 % of known failures",
+    )  # fmt: skip
+    row = best_of(surface, check)
+    assert (row.pf, row.status) == (1e-9, status)
+    assert ("not checked on the model" in row.message) == (status == "unchecked")
+
+
 def test_settings_are_checked() -> None:
     """As those of any method."""
     with pytest.raises(ValueError, match=r"target = -1\.0"):

@@ -30,6 +30,8 @@ from uqfold.methods.result import ReliabilityResult
 from uqfold.methods.seeding import RandomSource
 from uqfold.methods.subset_simulation import SubsetSimulation
 from uqfold.methods.task import Solution, Task
+from uqfold.methods.theory import Theory
+from uqfold.methods.theory_of_surfaces import AUTOMATIC
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criterion
 
@@ -105,6 +107,7 @@ class Automatic(ReliabilityMethod):
 
     name: ClassVar[str] = "auto"
     title: ClassVar[str] = "Surface, checked by simulation"
+    theory: ClassVar[Theory] = AUTOMATIC
     bounds_failed_runs: ClassVar[bool] = True
     any_structure: ClassVar[bool] = True
     units_may_differ: ClassVar[UnitsMayDiffer] = "in all"

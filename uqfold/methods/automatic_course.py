@@ -117,9 +117,13 @@ class Course:
             judged = estimate if own.ci_kind == BY_WEIGHTS else own
             speaks = judged.status in SOUND and estimate.states_an_error
             told = _Told(attempt, estimate, estimate if speaks else None, own.status in SOUND)
-            self._rows[i].told.append(told)
-            if estimate.error_kind == "sampling" and estimate.stated_error <= SEEN * estimate.pf:
+            narrow = estimate.error_kind == "sampling"
+            narrow = narrow and estimate.stated_error <= SEEN * estimate.pf
+            # one in doubt contradicts nothing, but where it differs it has confirmed nothing, too
+            others = [one.sound for one in self._rows[i].told if one.sound is not None]
+            if narrow and (speaks or not any(differ(one, estimate) for one in others)):
                 self._rows[i].checked = True
+            self._rows[i].told.append(told)
         return solution
 
     def tried(

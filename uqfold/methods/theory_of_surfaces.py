@@ -102,3 +102,41 @@ ACTIVE_KRIGING = Theory(
         _RASMUSSEN,
     ),
 )
+
+AUTOMATIC = Theory(
+    summary=(
+        "A Kriging surface answers first, and polynomial chaos what that doubts. Their answers are "
+        "checked by runs of the model that no surface has learned, most of them where the surface "
+        "says that it fails; what they doubt is sampled there with the surface as a control "
+        "variate, without bias however wrong it is, then along lines and rays where there are many "
+        "inputs, then by simulation of rare events with all runs that are left. Two answers that "
+        "contradict each other are doubtful, whatever each of them says. The stated error is that "
+        "of the method that answers, which the message names."
+    ),
+    equations=(
+        Equation(
+            "With N samples from a density h fitted to the failures S of the surface, one in ten "
+            "of them elsewhere, the weights w and the failures F of the model",
+            r"\hat{p}_f = \frac{1}{N} \sum_{i=1}^{N} w_i \mathbf{1}_F(u_i) - c \left[ "
+            r"\frac{1}{N} \sum_{i=1}^{N} w_i \mathbf{1}_S(u_i) - P_S \right], \qquad "
+            r"w = \frac{\varphi(u)}{h(u)}",
+        ),
+        Equation(
+            "where the probability of failure by the surface, P_S, takes no runs of the model, and",
+            r"c = \frac{\operatorname{Cov}\left[ w \mathbf{1}_F, w \mathbf{1}_S \right]}"
+            r"{\operatorname{Var}\left[ w \mathbf{1}_S \right]}",
+        ),
+        Equation(
+            "Two answers, the lower p_1 with the upper end b_1 of its 95 % interval and the higher "
+            "p_2 with the lower end a_2, contradict each other if",
+            r"p_2 - p_1 > \frac{3.5}{1.96} \sqrt{(b_1 - p_1)^2 + (p_2 - a_2)^2}",
+        ),
+    ),
+    references=(
+        _RASMUSSEN,
+        "Dubourg V., Sudret B., Deheeger F. Metamodel-based importance sampling for structural "
+        "reliability analysis. Probabilistic Engineering Mechanics 33 (2013) 47-57.",
+        "Li J., Xiu D. Evaluation of failure probability via surrogate models. Journal of "
+        "Computational Physics 229 (2010) 8966-8980.",
+    ),
+)
