@@ -23,6 +23,7 @@ import pandas as pd
 
 import uqfold
 from uqfold import plots, provenance
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.report import Page
 from uqfold.writing import write_text
 
@@ -145,7 +146,7 @@ class Run:
         frame = frame.reset_index(drop=True)
         for problem in [*self.problems.values()][:1]:
             header = {"response": problem.response, "response_unit": problem.response_unit}
-            frame.attrs["uqfold-comparison"] = header
+            frame.attrs[ATTRIBUTE] = header
         return frame
 
     def finish(self, seconds: float) -> None:

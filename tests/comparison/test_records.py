@@ -29,9 +29,8 @@ from uqfold.comparison import (
     run_comparison,
     write_records,
 )
-from uqfold.comparison.columns import COLUMNS, rows_to_frame
+from uqfold.comparison.columns import ATTRIBUTE, COLUMNS, rows_to_frame
 from uqfold.comparison.form import ROWS, encoded
-from uqfold.comparison.header import ATTRIBUTE
 from uqfold.problems.criterion import Binomial, criteria
 from uqfold.provenance import source_digest
 from uqfold.typing import FloatArray

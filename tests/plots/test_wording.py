@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.comparison.fakes import toy_frame
-from uqfold.plots.style import HEADER
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.plots.wording import (
     answers_of,
     criterion_text,
@@ -96,6 +96,6 @@ def test_a_reference_judges_down_to_two_of_its_standard_errors() -> None:
 def test_what_is_drawn_carries_no_header_that_each_selection_would_copy() -> None:
     """Pandas copies ``attrs`` in depth into every column: a third of the time of a report."""
     frame = toy_frame()
-    header = frame.attrs[HEADER]
+    header = frame.attrs[ATTRIBUTE]
     assert answers_of(frame).attrs == {}
-    assert frame.attrs[HEADER] == header
+    assert frame.attrs[ATTRIBUTE] == header

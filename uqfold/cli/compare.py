@@ -206,10 +206,11 @@ def compare_methods(
 
 def _check_same_problem(folder: Path, name: str) -> None:
     """Refuse a folder that holds the records of another problem."""
+    from uqfold.comparison.columns import ATTRIBUTE
     from uqfold.comparison.records import RecordsError, read_records
 
     with contextlib.suppress(RecordsError, OSError):
-        held = read_records(folder).attrs["uqfold-comparison"]["problem"]
+        held = read_records(folder).attrs[ATTRIBUTE]["problem"]
         if held != name:
             where = shown_path(folder)
             raise typer.BadParameter(f"--out {where} holds records of {held!r}: give another")
@@ -271,12 +272,13 @@ def _show(frame: pd.DataFrame, folder: Path, *, figures: bool, quiet: bool) -> N
 def _say_interrupted(
     frame: pd.DataFrame | None, folder: Path, invocation: Invocation, evaluator: Evaluator
 ) -> None:
+    from uqfold.comparison.columns import ATTRIBUTE
     from uqfold.evaluation import Store
 
     if frame is None:
         say("interrupted before any method finished; nothing was written")
     else:
-        header = frame.attrs["uqfold-comparison"]
+        header = frame.attrs[ATTRIBUTE]
         finished, asked = header["finished"], header["methods"]
         kept = f"{len(finished)} of {len(asked)} methods finished and are kept in"
         say(f"interrupted: {kept} {shown_path(folder)}: {', '.join(finished)}")

@@ -28,6 +28,8 @@ COLUMNS: dict[str, type] = {
     "error": float,
 }
 """Column -> type of its values; NaN stands for "none" in the float columns."""
+ATTRIBUTE = "uqfold-comparison"
+"""Where a frame of a comparison carries what was asked and how it was made, in ``frame.attrs``."""
 
 
 def comparison_row(

@@ -6,9 +6,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import instance
-from uqfold.comparison.columns import COLUMNS, rows_to_frame
+from uqfold.comparison.columns import ATTRIBUTE, COLUMNS, rows_to_frame
 from uqfold.comparison.form import ROWS
-from uqfold.comparison.header import ATTRIBUTE, checked_header
+from uqfold.comparison.header import checked_header
 from uqfold.comparison.possible_rows import criterion_of
 from uqfold.documents import said
 

@@ -6,7 +6,8 @@ import math
 import os
 
 from uqfold.checks import path, refused
-from uqfold.comparison.header import ATTRIBUTE, system_of
+from uqfold.comparison.columns import ATTRIBUTE
+from uqfold.comparison.header import system_of
 from uqfold.comparison.records import read_records
 from uqfold.problems.base import Problem
 from uqfold.problems.criterion import Criteria, Criterion

@@ -16,9 +16,6 @@ from uqfold.problems.criterion import Binomial, Criteria, Criterion
 from uqfold.problems.reference import ReferenceTable
 from uqfold.provenance import made_by, source_digest
 
-ATTRIBUTE = "uqfold-comparison"
-"""Where a frame of a comparison carries its header, in ``frame.attrs``."""
-
 
 def header_of(
     problem: Problem,

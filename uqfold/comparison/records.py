@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uqfold.checks import path as checked_path
-from uqfold.comparison.columns import COLUMNS, rows_to_frame
+from uqfold.comparison.columns import ATTRIBUTE, COLUMNS, rows_to_frame
 from uqfold.comparison.form import RECORD, SCHEMA, encoded
 from uqfold.comparison.frames import checked_frame
-from uqfold.comparison.header import ATTRIBUTE, checked_header
+from uqfold.comparison.header import checked_header
 from uqfold.documents import read_record
 from uqfold.writing import write_text
 

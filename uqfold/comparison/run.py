@@ -7,9 +7,9 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from uqfold.checks import function, instance, listed, mapping, or_none, refused, text
-from uqfold.comparison.columns import comparison_row, rows_to_frame
+from uqfold.comparison.columns import ATTRIBUTE, comparison_row, rows_to_frame
 from uqfold.comparison.given_references import given_references
-from uqfold.comparison.header import ATTRIBUTE, header_of
+from uqfold.comparison.header import header_of
 from uqfold.comparison.own_files import is_of_a_file, methods_of_a_file
 from uqfold.evaluation import Evaluator
 from uqfold.methods.arguments import (

@@ -66,8 +66,6 @@ REFERENCE_LINE: Any = {"color": "#000000", "linewidth": 1.0, "linestyle": (0, (4
 BAND_COLOR = "#D9D9D9"
 SOFT_COLOR = "#555555"
 """Remarks, and what belongs to no method."""
-HEADER = "uqfold-comparison"
-"""Where a frame of a comparison carries what was asked, in ``frame.attrs``."""
 
 FIGURE_SETTINGS: Any = {
     "font.family": "DejaVu Sans",

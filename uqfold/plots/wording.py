@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.plots.rows import Comparable, answers_frame
-from uqfold.plots.style import HEADER
 from uqfold.problems.criterion import threshold_text
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def in_figure(text: str, most: int = 28) -> str:
 
 def response_of(frame: pd.DataFrame) -> tuple[str, str]:
     """Return response and unit as the header of the comparison has them; empty without a name."""
-    header = frame.attrs.get(HEADER, {})
+    header = frame.attrs.get(ATTRIBUTE, {})
     response = header.get("response", NAMELESS)
     return "" if response == NAMELESS else response, header.get("response_unit", "")
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.comparison.league import RIGHT_WITHIN
-from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     NO_VALUE,
     Row,
@@ -64,7 +64,7 @@ def answers_table(frame: pd.DataFrame) -> pd.DataFrame:
     """Return every answer of a comparison as cells; columns that would be empty are left out."""
     import pandas as pd
 
-    rows, unit = frame.to_dict("records"), frame.attrs[HEADER]["response_unit"]
+    rows, unit = frame.to_dict("records"), frame.attrs[ATTRIBUTE]["response_unit"]
     in_unit = f" ({unit})" if unit else ""
     numbers = remarks(rows)
     table = pd.DataFrame(

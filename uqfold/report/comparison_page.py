@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import uqfold
 from uqfold.checks import path as checked_path
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.plots.comparison_figure import comparison
 from uqfold.plots.error_figure import error_against_evaluations
 from uqfold.plots.rows import Comparable, answers_frame
 from uqfold.plots.saving import save
-from uqfold.plots.style import HEADER
 from uqfold.plots.telling import gid
 from uqfold.plots.wording import (
     drawable,
@@ -100,7 +100,7 @@ def comparison_page(frame: pd.DataFrame) -> Page:
     frame
         The comparison, with its header in ``attrs``.
     """
-    header, n = frame.attrs[HEADER], frame["label"].nunique()
+    header, n = frame.attrs[ATTRIBUTE], frame["label"].nunique()
     page = Page(
         f"{header['problem']}: " + (f"{n} methods compared" if n > 1 else "one method"),
         _lead(frame),
@@ -120,7 +120,7 @@ def comparison_page(frame: pd.DataFrame) -> Page:
 
 
 def _lead(frame: pd.DataFrame) -> str:
-    header, said = frame.attrs[HEADER], "Every method was asked for one failure probability"
+    header, said = frame.attrs[ATTRIBUTE], "Every method was asked for one failure probability"
     if (n := len(header["criteria"])) > 1:
         said = f"Every method was asked for the failure probability under the same {n} criteria"
     if response := response_text(frame):
@@ -136,7 +136,7 @@ def _lead(frame: pd.DataFrame) -> str:
 
 
 def _add_answers(page: Page, frame: pd.DataFrame) -> None:
-    rows, unit = frame.to_dict("records"), frame.attrs[HEADER]["response_unit"]
+    rows, unit = frame.to_dict("records"), frame.attrs[ATTRIBUTE]["response_unit"]
     page.section("All answers", name="all-answers")
     page.table(
         answers_table(frame),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
-from uqfold.plots.style import HEADER
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.plots.wording import response_text
 from uqfold.problems.criterion import threshold_text
 from uqfold.report.page.builder import Page
@@ -59,7 +59,7 @@ _POLICIES = {
 
 def add_methods(page: Page, frame: pd.DataFrame) -> None:
     """Describe problem, question, every method with its settings, equations and references."""
-    header = frame.attrs[HEADER]
+    header = frame.attrs[ATTRIBUTE]
     methods = header["methods"]
     stated = dict.fromkeys(one for entry in methods for one in entry["theory"]["references"])
     cited = {reference: number for number, reference in enumerate(stated, start=1)}
@@ -105,7 +105,7 @@ def add_reproduction(page: Page, header: Mapping[str, Any]) -> None:
 def _add_problem(page: Page, frame: pd.DataFrame) -> None:
     import pandas as pd
 
-    header, response = frame.attrs[HEADER], response_text(frame)
+    header, response = frame.attrs[ATTRIBUTE], response_text(frame)
     system = header["system"]
     if system is None:
         said = f"{header['problem']}{f'; response: {response}' if response else ''}. "
@@ -132,7 +132,7 @@ def _add_problem(page: Page, frame: pd.DataFrame) -> None:
 
 
 def _add_question(page: Page, frame: pd.DataFrame) -> None:
-    header, unit = frame.attrs[HEADER], frame.attrs[HEADER]["response_unit"]
+    header, unit = frame.attrs[ATTRIBUTE], frame.attrs[ATTRIBUTE]["response_unit"]
     taus = dict.fromkeys("none" if isnan(tau) else f"{tau:g}" for tau in frame["tau"])
     missions = ", ".join(dict.fromkeys(frame["missions"]))
     written = [threshold_text(one).removeprefix("T = ") for one in frame["threshold"]]

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from uqfold.comparison.columns import ATTRIBUTE
 from uqfold.comparison.frames import checked_frame
-from uqfold.plots.style import HEADER
 from uqfold.plots.wording import (
     Row,
     criterion_text,
@@ -71,7 +71,7 @@ class ComparisonTable:
         """Render the table in the width of the console."""
         from rich.text import Text
 
-        header, rows = self.frame.attrs[HEADER], self.frame.to_dict("records")
+        header, rows = self.frame.attrs[ATTRIBUTE], self.frame.to_dict("records")
         unit, width = header["response_unit"], options.max_width
         answers = answers_table(self.frame)
         if "remark" in answers.columns:
