@@ -17,7 +17,7 @@ from uqfold.validation.measurement import Points, Table
 from uqfold.validation.record import CaseRecord, PlantedFault
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from uqfold.plots.types import Axes
 
 _UNFOLDED_ROWS = 12
 """Longer tables are folded away."""

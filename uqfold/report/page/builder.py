@@ -18,8 +18,8 @@ from uqfold.report.page.rendering import html, markdown
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from uqfold.plots.types import Axes, Figure
 
 
 class Page:

@@ -10,7 +10,7 @@ from uqfold.plots.saving import svg_text
 from uqfold.plots.telling import Spot, told
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from uqfold.plots.types import Figure
 
 SVG = "http://www.w3.org/2000/svg"
 _LINK = "{http://www.w3.org/1999/xlink}href"
