@@ -111,6 +111,13 @@ class OneLine:
         yield from self._run_further(np.empty(0))
 
     def _run_further(self, at: FloatArray) -> Running[None]:
-        """Add runs at some places (k,), and what they lead to."""
-        known = self._traces.places
-        self._traces = yield from self._lines(1).followed(at[None, :], known)
+        """Add runs at some places (k,), and what they lead to.
+
+        No other line averages out how well crossings are known: pf tells how well they have to be.
+        """
+        self._traces = yield from self._lines(1).followed(at[None, :], self._traces.places)
+        pf = float(self._masses(1)[1][0])
+        if 0.0 < pf < self._law.event:
+            self._law = replace(self._law, event=pf)
+            none = np.empty((1, 0))
+            self._traces = yield from self._lines(1).followed(none, self._traces.places)

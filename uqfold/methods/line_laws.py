@@ -11,7 +11,8 @@ import numpy as np
 from uqfold.typing import FloatArray
 
 TOLERANCE = 2e-3
-"""How well a crossing is known, relative to the smaller probability on either side of it."""
+"""How well a crossing is known, relative to the smallest of the probabilities on its two sides and
+that of the event."""
 
 Tail = Callable[[FloatArray], FloatArray]
 
@@ -28,12 +29,15 @@ class LineLaw:
         Their density (k,).
     place
         The places (k,) that are exceeded with some probabilities (k,).
+    event
+        Probability of what is looked for, as far as it is known.
     """
 
     below: Tail
     above: Tail
     density: Tail
     place: Tail
+    event: float = 1.0
 
     def between(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Probabilities (k,) of the places from start (k,) to end (k,), by the nearer tail."""
@@ -43,7 +47,8 @@ class LineLaw:
 
     def tolerance(self, at: FloatArray) -> FloatArray:
         """How well crossings at some places (k,) are to be known, in standard deviations."""
-        smaller, density = np.minimum(self.below(at), self.above(at)), self.density(at)
+        density = self.density(at)
+        smaller = np.minimum(np.minimum(self.below(at), self.above(at)), self.event)
         with np.errstate(divide="ignore", invalid="ignore"):
             known = TOLERANCE * smaller / density
         return np.where(np.isfinite(known) & (known > 0.0), known, TOLERANCE)
