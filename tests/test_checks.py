@@ -230,5 +230,7 @@ def test_a_name_that_is_nearly_right_is_guessed() -> None:
     """All names are listed nevertheless."""
     with pytest.raises(ValueError, match=r"did you mean 'kriging'\? choose from 'mc', 'kriging'"):
         checks.choice("method", "Krigng", ["mc", "kriging"])
+    with pytest.raises(ValueError, match="did you mean 'openturns-form'"):
+        checks.choice("method", "form", ["openturns-form", "sorm"])  # a part of one name only
     with pytest.raises(ValueError, match=r"'xyz': choose from"):
         checks.choice("method", "xyz", ["mc", "kriging"])

@@ -19,7 +19,7 @@ import math
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal
 from difflib import get_close_matches
 from numbers import Integral, Real
@@ -176,6 +176,12 @@ def text(name: str, value: object, *, empty: bool = False, what: str = "text") -
     return str(simple)
 
 
+def _meant(word: str, names: Sequence[str]) -> str | None:
+    """Return the name that a misspelt word is nearest to, or is a part of, if there is one."""
+    parts = [name for name in names if word in name.split("-")]
+    return parts[0] if len(parts) == 1 else next(iter(get_close_matches(word, names, n=1)), None)
+
+
 def choice(name: str, value: object, options: Iterable[T]) -> T:
     """Return the option that the value equals: text, a number or a member of an Enum."""
     simple = plain(value)
@@ -188,8 +194,8 @@ def choice(name: str, value: object, options: Iterable[T]) -> T:
     remedy = f"choose from {', '.join(map(shown, offered))}"
     if isinstance(simple, str):
         names = [option for option in offered if isinstance(option, str)]
-        if meant := get_close_matches(simple.lower().replace("_", "-"), names, n=1):
-            remedy = f"did you mean {meant[0]!r}? {remedy if len(offered) <= _FEW else ''}".rstrip()
+        if meant := _meant(simple.lower().replace("_", "-"), names):
+            remedy = f"did you mean {meant!r}? {remedy if len(offered) <= _FEW else ''}".rstrip()
     raise refused(name, value, remedy, ValueError if right_kind else TypeError)
 
 

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 
 import uqfold
 from uqfold.cli import main
+from uqfold.cli.app import app
 from uqfold.comparison import (
     available_problems,
     comparison_header,
@@ -423,3 +425,26 @@ def test_help_fits_a_terminal_of_80_columns(
 ) -> None:
     assert run(*words, "--help") == 0
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("command", ["compare", "benchmark", "serve"])
+def test_problems_and_methods_are_completed(command: str) -> None:
+    found = typer.main.get_command(app).commands[command]  # type: ignore[attr-defined]
+    offered = {
+        one.name: [
+            item.value
+            for item in one.shell_complete(
+                found.make_context(command, [], resilient_parsing=True), ""
+            )
+        ]
+        for one in found.params
+        if one.name in ("problem", "method")
+    }
+    assert "four-branch" in offered["problem"]
+    assert command == "serve" or "subset-simulation" in offered["method"]
+
+
+def test_examples_of_the_help_fit_into_80_columns() -> None:
+    for command in typer.main.get_command(app).commands.values():  # type: ignore[attr-defined]
+        for line in command.help.splitlines():
+            assert len(line) <= 78 or not line.startswith("  "), line  # else it is wrapped

@@ -148,7 +148,7 @@ def test_a_served_model_is_a_model() -> None:
         ("distribution = 'gumbel'\nlocation = 0\nscale = 1", 0.5772),
         ("distribution = 'weibull'\nmean = 2\nstd = 0.5", 2.0),
         ("distribution = 'weibull'\nscale = 1\nshape = 1", 1.0),
-        ("distribution = 'gamma'\nmean = 2\nstd = 0.5", 2.0),
+        ("distribution = 'Gamma'\nmean = 2\nstd = 0.5", 2.0),
         ("distribution = 'gamma'\nshape = 2\nscale = 3", 6.0),
         ("distribution = 'beta'\nmean = 2\nstd = 0.5\nlow = 0\nhigh = 5", 2.0),
         ("distribution = 'lognormal'\nmean_log = 0\nstd_log = 1", 1.6487),

@@ -109,6 +109,11 @@ def test_the_command_serves_until_it_is_ended(
         main(["serve", "series", "--port", "0"])
     assert found == uqfold.problems.series().model(np.ones((1, 3))).tolist()
     assert capsys.readouterr().out.startswith("series (X1, X2, X3) at http://127.0.0.1:")
+    with pytest.raises(SystemExit, match="0"):
+        main(["serve", "series", "--port", "0", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert (told["model"], told["inputs"]) == ("series", ["X1", "X2", "X3"])
+    assert told["url"].startswith("http://127.0.0.1:")
 
 
 GOOD = {

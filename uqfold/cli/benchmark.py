@@ -13,6 +13,8 @@ import typer
 
 from uqfold.cli.invocation import AsJson, Invocation, Words, flag, option, say_json, usage
 from uqfold.cli.streams import EXIT_INTERRUPTED, os_error_text, say, shown_path, stdout_console
+from uqfold.comparison.named_problems import available_problems
+from uqfold.methods.registry import built_in
 from uqfold.writing import check_writable
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ code has made.
 \b
 Examples:
   uqfold benchmark --workers 2
-  uqfold benchmark --method auto,subset-simulation --problem rp22,four-branch --seeds 10
+  uqfold benchmark --method auto,qmc --problem rp22,four-branch --seeds 10
   uqfold benchmark --problem mine.py:problem --max-evals 1e5 --out results
   uqfold benchmark --method auto,mine.py:methods --report league.md
 """
@@ -51,15 +53,18 @@ def benchmark_methods(
     *,
     method: Annotated[
         Words,
-        option(
-            "NAME", "Method, or FILE.py:FUNCTION for a dict of them; may be repeated. Default: all."
+        typer.Option(
+            metavar="NAME",
+            help="Method, or FILE.py:FUNCTION for a dict of them; may be repeated. Default: all.",
+            autocompletion=built_in,
         ),
     ] = None,
     problem: Annotated[
         Words,
-        option(
-            "NAME",
-            "Problem, FILE.toml or FILE.py:FUNCTION; may be repeated. Default: the catalogue.",
+        typer.Option(
+            metavar="NAME",
+            help="Problem, FILE.toml or FILE.py:FUNCTION; may be repeated. Default: the catalogue.",
+            autocompletion=lambda: list(available_problems()),
         ),
     ] = None,
     seeds: Annotated[int, option("N", "How many seeds, counted from zero.")] = 3,

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from uqfold.cli.invocation import option, usage
-from uqfold.comparison.named_problems import named_problem
+from uqfold.cli.invocation import AsJson, option, say_json, usage
+from uqfold.comparison.named_problems import available_problems, named_problem
 
 SERVE_HELP = """Serve a problem's model by the UM-Bridge protocol, until Ctrl-C.
 
@@ -23,16 +23,24 @@ Examples:
 def serve_problem(
     problem: Annotated[
         str,
-        typer.Argument(metavar="PROBLEM", help="A named problem, FILE.py:FUNCTION or FILE.toml."),
+        typer.Argument(
+            metavar="PROBLEM",
+            help="A named problem, FILE.py:FUNCTION or FILE.toml.",
+            autocompletion=lambda: list(available_problems()),
+        ),
     ],
     *,
     port: Annotated[int, option("N", "Where to listen.")] = 4242,
     host: Annotated[str, option("ADDRESS", "On which address.")] = "127.0.0.1",
+    as_json: AsJson = False,
 ) -> None:
     """Serve a problem."""
     from uqfold.evaluation import ServedProblem
 
     asked = usage(usage(named_problem, problem).problem)
     with usage(ServedProblem, asked, port, host) as served:
-        typer.echo(f"{asked.name} ({', '.join(asked.inputs.names)}) at {served.url}")
+        if as_json:
+            say_json({"model": asked.name, "inputs": asked.inputs.names, "url": served.url})
+        else:
+            typer.echo(f"{asked.name} ({', '.join(asked.inputs.names)}) at {served.url}")
         served.wait()

@@ -139,7 +139,7 @@ def _input(given: Mapping[str, Any], folder: Path) -> Any:
     if not isinstance(given.get("unit", ""), str):
         raise refused("unit", given["unit"], "give text", TypeError)
     family = parameters.pop("distribution", None)
-    if family == "from_data" and "file" in parameters:
+    if str(family).lower() == "from_data" and "file" in parameters:
         parameters["data"] = _numbers(folder / str(parameters.pop("file")))
     return by_name(family, parameters)
 

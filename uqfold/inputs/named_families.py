@@ -83,6 +83,7 @@ def by_name(family: str, parameters: Mapping[str, Any]) -> Any:
         std; ``beta`` with mean, std, low and high; ``uniform``, ``exponential``, ``triangular``.
         Some take other parameters instead: ``lognormal`` mean_log and std_log, ``gumbel``
         location and scale, ``weibull`` and ``gamma`` shape and scale, ``beta`` a, b, low and high.
+        Either case will do.
     parameters
         Its parameters by their names; a distribution among them is a dict that names its own
         family as ``distribution``.
@@ -92,7 +93,8 @@ def by_name(family: str, parameters: Mapping[str, Any]) -> Any:
     ValueError, TypeError
         If the family is unknown, a parameter is, one is missing, or no such distribution exists.
     """
-    known = choice("distribution", family, families())
+    written = family.lower() if isinstance(family, str) else family
+    known = choice("distribution", written if written in families() else family, families())
     if known in _OWN:
         return _own(known, dict(parameters))
     if known == "truncated":
