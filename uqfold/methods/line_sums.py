@@ -292,6 +292,8 @@ class Rounds:
             self.short,
         )  # fmt: skip
         doubts = list(doubts)
+        if self.asked.flat:
+            doubts.append("the response is constant until it fails: nothing leads to thin regions")
         if total > 0.0:
             most = float(self.together("largest").max()) / total
             if most > max(HEAVY, OUTSTANDING / high.size):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, TypeAlias, TypeVar, final
 
 import numpy as np
@@ -62,6 +62,12 @@ class NestedCriteria:
     limits: FloatArray
     session: EvaluationSession
     most: int
+    _working: list[float] = field(default_factory=list)
+
+    @property
+    def flat(self) -> bool:
+        """Whether all samples that worked had one height: nothing in it leads to failure."""
+        return len(self._working) > 0 and min(self._working) == max(self._working)
 
     @property
     def left(self) -> int:
@@ -88,7 +94,11 @@ class NestedCriteria:
                 labels[name] = np.repeat(label, runs) if isinstance(label, np.ndarray) else label
             self.session.label(sample=np.repeat(np.arange(len(u)), runs), **labels)
         y = yield x
-        return self.event.bounds_of(u, y)
+        low, high = self.event.bounds_of(u, y)
+        if (working := high[high <= self.limits.min()]).size:
+            seen = np.concatenate([self._working, working])
+            self._working[:] = [float(seen.min()), float(seen.max())]
+        return low, high
 
     def fail(self, height: FloatArray) -> BoolArray:
         """Whether samples of some heights (N,) fail under each criterion: (C, N)."""
